@@ -1,0 +1,49 @@
+# make demo: the example;  make test, make check: what must pass;  see CONTRIBUTING.md.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+STAMP  := $(VENV)/.installed
+
+# The oldest Python supported makes the lock file, so that the versions in it serve all.
+LOCK_PYTHON ?= python3.11
+LOCK_VENV   := .venv-lock
+
+.PHONY: demo test check benchmark validation lock clean
+
+demo: $(STAMP)
+	$(BIN)/python examples/demo.py
+
+test: $(STAMP)
+	$(BIN)/python -m pytest -q --durations=10
+
+check: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+benchmark: $(STAMP)
+	$(BIN)/python benchmarks/run.py
+
+validation: $(STAMP)
+	$(BIN)/python validation/run.py
+
+# Renewed when the locked versions or the package's own metadata change.
+$(STAMP): requirements.lock pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --only-binary :all: -r requirements.lock
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .
+	touch $@
+
+lock:
+	$(LOCK_PYTHON) -m venv $(LOCK_VENV)
+	$(LOCK_VENV)/bin/python -m pip install --quiet 'pip-tools>=7.5'
+	CUSTOM_COMPILE_COMMAND="make lock" $(LOCK_VENV)/bin/pip-compile --quiet --upgrade \
+	    --extra dev --strip-extras --no-emit-index-url --no-emit-trusted-host \
+	    --no-emit-find-links --pip-args='--only-binary :all:' \
+	    --output-file requirements.lock pyproject.toml
+
+clean:
+	rm -rf $(VENV) $(LOCK_VENV) out build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	find src tests examples benchmarks validation -name __pycache__ -prune -exec rm -rf {} + \
+	    2>/dev/null || true
