@@ -1,0 +1,112 @@
+"""Routing of leaves: one way from names to sections for Python, case files and command line."""
+
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic import BaseModel
+
+from celltrain.parameters.errors import CaseError
+from celltrain.parameters.sections import Cell, Flow, Resolution, Tube
+
+#: Section -> names of its leaves, as in a case file.
+LEAVES: dict[str, tuple[str, ...]] = {
+    "tube": tuple(Tube.model_fields),
+    "cell": tuple(Cell.model_fields),
+    "train": ("packing", "cells"),
+    "flow": tuple(Flow.model_fields),
+    "resolution": tuple(Resolution.model_fields),
+}
+
+#: The same for a case in SI, where the scales are given with what they belong to.
+SI_LEAVES: dict[str, tuple[str, ...]] = {
+    **LEAVES,
+    "cell": ("radius", *LEAVES["cell"]),
+    "flow": ("mean_velocity", "plasma_viscosity", *LEAVES["flow"]),
+}
+
+#: The leaves that only a case in SI has.
+SCALE_LEAVES = ("radius", "mean_velocity", "plasma_viscosity")
+
+
+def flatten(
+    case: Mapping[str, Any], sections: Mapping[str, tuple[str, ...]] = LEAVES
+) -> dict[str, Any]:
+    """The leaves of a case that gives them in sections, by their own names, or as a mixture.
+
+    A section may be a mapping or an object such as ``Tube(diameter=6)``, which gives all its
+    leaves. Values are not checked here.
+
+    Raises:
+        CaseError: for an unknown name (with the close ones) and for a leaf that is given twice.
+    """
+    leaves: dict[str, Any] = {}
+    home = {leaf: section for section, names in sections.items() for leaf in names}
+    for name, value in case.items():
+        if name in sections:
+            given = value.model_dump() if isinstance(value, BaseModel) else value
+            if not isinstance(given, Mapping):
+                raise CaseError(
+                    f"{name} = {value!r} is not allowed: {name} is a section with the leaves"
+                    f" {', '.join(sections[name])}"
+                )
+            for leaf in given:
+                if leaf not in sections[name]:
+                    raise _unknown(leaf, sections[name], home, f" in section {name}")
+        elif name in home:
+            given = {name: value}
+        else:
+            raise _unknown(name, (*sections, *home), home, "")
+        for leaf, content in given.items():
+            if leaf in leaves:
+                raise CaseError(
+                    f"{leaf} is given twice, as {leaves[leaf]!r} and as {content!r}:"
+                    f" give it once, either in section {home[leaf]} or by its name"
+                )
+            leaves[leaf] = content
+    return leaves
+
+
+def nest(leaves: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Leaves sorted into the sections of a case file; every section is there, maybe empty."""
+    return {
+        section: {name: leaves[name] for name in names if name in leaves}
+        for section, names in LEAVES.items()
+    }
+
+
+def override(leaves: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Leaves with some of them replaced; sizes that follow the degree follow a new degree.
+
+    A size follows the degree when it has the value that the degree gives it, so that equal cases
+    change in the same way, however they came about.
+    """
+    merged = dict(leaves)
+    if "degree" in changes and "degree" in leaves:
+        usual = Resolution(degree=leaves["degree"]).model_dump()
+        for name, value in usual.items():
+            if merged.get(name) == value and name in DERIVED:
+                del merged[name]
+    return merged | dict(changes)
+
+
+#: The sizes whose default follows from the degree.
+DERIVED = tuple(
+    name for name, field in Resolution.model_fields.items() if field.default_factory is not None
+)
+
+
+def _unknown(name: str, allowed: Iterable[str], home: Mapping[str, str], where: str) -> CaseError:
+    allowed = tuple(allowed)
+    message = f"unknown name {name!r}{where}"
+    close = get_close_matches(name, allowed, n=3, cutoff=0.6)
+    if name in home:
+        message += f" (it belongs to section {home[name]})"
+    elif name in SCALE_LEAVES:
+        message += (
+            ' (a scale: it is part of a case with units = "SI"; to change only how results are'
+            " reported in SI, give the section scales)"
+        )
+    elif close:
+        message += f"; did you mean {' or '.join(close)}?"
+    return CaseError(f"{message}\nallowed are: {', '.join(allowed)}")

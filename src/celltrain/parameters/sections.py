@@ -1,0 +1,123 @@
+"""The sections of a case: tube, cell, flow and resolution. All lengths in r0, moduli in mu U."""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from celltrain.parameters.errors import CaseError
+from celltrain.parameters.scales import Scales
+from celltrain.parameters.section import Real, Section, Whole
+from celltrain.parameters.units import BENDING_MODULUS, DILATATION_MODULUS, SHEAR_MODULUS
+
+_SCALES = Scales()
+
+
+class Tube(Section):
+    """A straight round tube."""
+
+    diameter: Real = Field(gt=0, le=100, description="diameter of the tube, r0")
+
+
+class Cell(Section):
+    """Mechanics and resting shape of a cell; the defaults are a red blood cell's.
+
+    The moduli are Es = 4.2e-6 N/m, Ed = 67.7e-6 N/m and Eb = 1.8e-19 N m at the reference scales.
+    """
+
+    shear_modulus: Real = Field(
+        default=_SCALES.dimensionless("shear_modulus", SHEAR_MODULUS),
+        gt=0,
+        description="shear modulus Es of the membrane, mu U",
+    )
+    dilatation_modulus: Real = Field(
+        default=_SCALES.dimensionless("dilatation_modulus", DILATATION_MODULUS),
+        gt=0,
+        description="dilatation modulus Ed of the membrane, mu U",
+    )
+    bending_modulus: Real = Field(
+        default=_SCALES.dimensionless("bending_modulus", BENDING_MODULUS),
+        ge=0,
+        description="bending modulus Eb of the membrane, mu U r0^2",
+    )
+    law: Literal["skalak", "neo_hookean"] = Field(
+        default="skalak", description="constitutive law of the membrane"
+    )
+    reference: Literal["biconcave", "sphere"] = Field(
+        default="biconcave", description="shape of the cell at rest"
+    )
+
+    @property
+    def capillary_number(self) -> float:
+        """Ca = mu U/Es, with U the mean velocity in the tube (not the paper's; see units)."""
+        return 1 / self.shear_modulus
+
+
+class Flow(Section):
+    """The flow through the tube; its mean velocity and plasma viscosity are the units."""
+
+    viscosity_ratio: Real = Field(
+        default=1.0, gt=0, description="viscosity inside the cells over that of the plasma"
+    )
+
+
+class Resolution(Section):
+    """Degree of the shapes, and sizes of the rules, which follow the degree unless given."""
+
+    degree: Whole = Field(
+        default=12,
+        ge=6,
+        le=48,
+        description="degree M: a shape has the harmonics of degree below M",
+        json_schema_extra={"reason": "the resting cell itself has harmonics of degree 5"},
+    )
+    energy_order: Whole = Field(
+        default_factory=lambda given: 3 * given["degree"],
+        ge=6,
+        le=400,
+        description="order of the grid on which the membrane energy is integrated",
+    )
+    source_order: Whole = Field(
+        default_factory=lambda given: 2 * given["degree"],
+        ge=6,
+        le=400,
+        description="order of the grid that carries the forces",
+    )
+    target_order: Whole = Field(
+        default_factory=lambda given: given["degree"] + 4,
+        ge=6,
+        le=400,
+        description="order of the grid on which the velocity is evaluated",
+    )
+    polar_radial: Whole = Field(
+        default_factory=lambda given: 2 * given["degree"],
+        ge=4,
+        le=400,
+        description="radial nodes of the polar rule around a target",
+    )
+    polar_azimuthal: Whole = Field(
+        default_factory=lambda given: 3 * given["degree"] + given["degree"] % 2,
+        ge=4,
+        le=600,
+        multiple_of=2,
+        description="azimuthal nodes of the polar rule around a target (even)",
+    )
+    near_cutoff: Real = Field(
+        default=2.5,
+        gt=0,
+        le=20,
+        description="distance to which the near sum is taken, r0 also in SI",
+    )
+    tolerance: Real = Field(
+        default=1e-7, ge=1e-12, le=1e-3, description="relative error aimed at in the fast sums"
+    )
+
+    @model_validator(mode="after")
+    def _grids_hold_the_shape(self) -> Self:
+        for name in ("energy_order", "source_order", "target_order"):
+            order = getattr(self, name)
+            if order < self.degree:
+                raise CaseError(
+                    f"{name} = {order} is not allowed: a grid that holds shapes of degree"
+                    f" {self.degree} has an order >= {self.degree}"
+                )
+        return self

@@ -1,0 +1,187 @@
+"""A complete case: a train of cells in a tube, checked, and dimensionless inside."""
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from celltrain.parameters.errors import CaseError
+from celltrain.parameters.reference_shape import resting_diameter, resting_thickness
+from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten, nest, override
+from celltrain.parameters.scales import Scales
+from celltrain.parameters.section import Real, Section, Whole
+from celltrain.parameters.sections import Cell, Flow, Resolution, Tube
+from celltrain.parameters.units import BENDING_MODULUS, DILATATION_MODULUS, SHEAR_MODULUS
+
+Units = Literal["dimensionless", "SI"]
+
+
+class Train(Section):
+    """A train of equal cells in single file, periodic along a straight tube.
+
+    Every leaf can be given by its name or in its section::
+
+        Train(diameter=6, packing=0.2, cells=8, degree=16)
+        Train(tube=Tube(diameter=6), packing=0.2, cells=8, resolution={"degree": 16})
+
+    Lengths in r0, velocities in U, viscosities in mu; :meth:`from_si` takes SI. Needed are the
+    ``diameter`` and the ``packing``; everything else has a default.
+
+    Raises:
+        CaseError: for an unknown name, a leaf given twice, and a value that is not allowed; its
+            message names the value and the allowed range.
+    """
+
+    tube: Tube
+    cell: Cell = Cell()
+    flow: Flow = Flow()
+    resolution: Resolution = Resolution()
+    packing: Real = Field(gt=0, description="packing fraction phi = r0 N/L")
+    cells: Whole = Field(
+        default=8, ge=1, description="number of cells N in the period of the train"
+    )
+    scales: Scales = Scales()
+
+    if TYPE_CHECKING:  # the leaves arrive by name: more arguments than fields
+
+        def __init__(self, **leaves: Any) -> None: ...
+
+    @model_validator(mode="before")
+    @classmethod
+    def _route(cls, given: Any) -> Any:
+        given = dict(given)
+        scales = {"scales": given.pop("scales")} if "scales" in given else {}
+        nested = nest(flatten(given))
+        train = nested.pop("train")
+        return {**nested, **train, **scales}
+
+    @model_validator(mode="after")
+    def _cells_fit(self) -> Self:
+        shape = self.cell.reference
+        diameter, thickness = resting_diameter(shape), resting_thickness(shape)
+        if self.tube.diameter <= diameter:
+            raise CaseError(
+                f"diameter = {self.tube.diameter:g} is not allowed: the tube must be wider than"
+                f" the {shape} cell at rest, so allowed: > {diameter:.4f} (in radii r0)"
+            )
+        if self.packing * thickness >= 1:
+            raise CaseError(
+                f"packing = {self.packing:g} is not allowed: {shape} cells at rest overlap when"
+                f" their spacing 1/packing is below their thickness {thickness:.4f} r0,"
+                f" so allowed: > 0 and < {_below(1 / thickness):.4f}"
+            )
+        return self
+
+    @property
+    def period(self) -> float:
+        """Axial length of the tube for each cell, 1/packing, r0."""
+        return 1 / self.packing
+
+    @property
+    def length(self) -> float:
+        """Period of the whole train, r0."""
+        return self.cells / self.packing
+
+    @property
+    def radius(self) -> float:
+        """Radius of the tube, r0."""
+        return self.tube.diameter / 2
+
+    def leaf(self, name: str) -> Any:
+        """The value of a leaf by its name, such as ``"packing"``.
+
+        Raises:
+            CaseError: for an unknown name.
+        """
+        leaves = self.leaves()
+        if name not in leaves:
+            flatten({name: None})  # raises, with the close names, unless it is a section
+            raise CaseError(f"{name} is a section, not a leaf")
+        return leaves[name]
+
+    def leaves(self, units: Units = "dimensionless") -> dict[str, Any]:
+        """All leaves by name; in SI together with the three scales, as :meth:`from_si` takes."""
+        leaves = flatten(self.sections())
+        if units == "dimensionless":
+            return leaves
+        converted = {name: self.scales.si(name, value) for name, value in leaves.items()}
+        return {**converted, **self.scales.model_dump()}
+
+    def sections(self) -> dict[str, dict[str, Any]]:
+        """The complete case in the sections of a case file, without the scales."""
+        case = {name: getattr(self, name).model_dump() for name in LEAVES if name != "train"}
+        train = {name: getattr(self, name) for name in LEAVES["train"]}
+        return {name: train if name == "train" else case[name] for name in LEAVES}
+
+    def changed(self, **leaves: Any) -> "Train":
+        """This case with some leaves (or whole sections) replaced, checked again.
+
+        A new degree takes along the sizes that have the values which the old degree gave them,
+        except those that are replaced, too.
+
+        Raises:
+            CaseError: as when a train is made.
+        """
+        scales = leaves.pop("scales", self.scales)
+        return Train(**override(self.leaves(), flatten(leaves)), scales=scales)
+
+    @classmethod
+    def from_si(cls, **case: Any) -> "Train":
+        """A train from SI values under the same leaf names: m, N/m, N m.
+
+        The scales are the leaves ``radius`` (r0, m), ``mean_velocity`` (U, m/s) and
+        ``plasma_viscosity`` (mu, Pa s). Packing, viscosity ratio and resolution have no dimension
+        (the near cutoff stays in r0). Moduli that are not given are a red blood cell's in SI.
+
+        Raises:
+            CaseError: as when a train is made.
+        """
+        return cls._from_si_leaves(flatten(case, SI_LEAVES))
+
+    @classmethod
+    def _from_si_leaves(cls, leaves: Mapping[str, Any]) -> "Train":
+        given = {name: leaves[name] for name in Scales.model_fields if name in leaves}
+        scales = Scales(**given)
+        defaults = {
+            "shear_modulus": SHEAR_MODULUS,
+            "dilatation_modulus": DILATATION_MODULUS,
+            "bending_modulus": BENDING_MODULUS,
+        }
+        rest = {name: leaves[name] for name in leaves if name not in given}
+        converted = {
+            name: scales.dimensionless(name, value) for name, value in (defaults | rest).items()
+        }
+        try:
+            return cls(**converted, scales=scales)
+        except CaseError as error:
+            pairs = (
+                f"{name} = {value!r} in SI is {converted[name]:g} in r0, U, mu"
+                for name, value in rest.items()
+                if converted[name] is not value and f"{name} = " in str(error)
+            )
+            raise CaseError("\n".join((str(error), *pairs))) from None
+
+    def to_toml(self) -> str:
+        """The complete case as the text of a case file; reading it gives an equal train."""
+        described = {
+            **{name: getattr(self, name) for name in LEAVES if name != "train"},
+            "train": self,
+            "scales": self.scales,
+        }
+        lines = [
+            "# A case of celltrain: lengths in r0, velocities in U, viscosities in mu.",
+            "# Sizes in [resolution] with their usual values follow a change of the degree.",
+        ]
+        for section, values in {**self.sections(), "scales": self.scales.model_dump()}.items():
+            fields = type(described[section]).model_fields
+            lines += ["", f"[{section}]"]
+            for name, value in values.items():
+                text = f'"{value}"' if isinstance(value, str) else repr(value)
+                lines.append(f"{name} = {text}  # {fields[name].description}")
+        return "\n".join(lines) + "\n"
+
+
+def _below(value: float) -> float:
+    """Rounded down to four decimals, so that a printed bound is itself allowed."""
+    return math.floor(value * 1e4) / 1e4
