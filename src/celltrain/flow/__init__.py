@@ -1,0 +1,17 @@
+"""Stokes flow in a periodic tube: Ewald sums, quadrature on surfaces, the wall, the flow rate."""
+
+from celltrain.flow.ewald import EwaldSplit, ewald_split
+from celltrain.flow.own_surface import OwnSurfaceRule, own_surface_rule
+from celltrain.flow.tube import PeriodicTube, periodic_tube
+from celltrain.flow.wall import TubeWall, tube_wall
+
+__all__ = [
+    "EwaldSplit",
+    "OwnSurfaceRule",
+    "PeriodicTube",
+    "TubeWall",
+    "ewald_split",
+    "own_surface_rule",
+    "periodic_tube",
+    "tube_wall",
+]

@@ -1,0 +1,196 @@
+"""Fourier transforms between points in the tube and the wave vectors of the far kernel.
+
+    analyse:     f^(k) = sum_s f_s exp(-i k . y_s)
+    synthesise:  u(x)  = sum_k u^(k) exp(i k . x)
+
+Two arrangements of points are known. `RingTransform` needs points that form rings about the tube's
+axis (an axisymmetric train, the wall): the transform then splits into an azimuthal and an axial
+matrix product. `NonuniformTransform` takes any points (FINUFFT; Barnett, Magland & af Klinteberg
+2019). Derivatives in any direction are exact in both, also those that break the rings: they are
+transforms of other strengths at the same points.
+
+Points have the shape [ring, azimuth, 3]; loose points are rings of one azimuth.
+"""
+
+import abc
+import math
+from collections.abc import Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax_finufft import nufft1, nufft2
+from jaxtyping import Array, Float
+
+from celltrain.flow.ewald import EwaldSplit
+
+Points = Float[Array, "ring azimuth 3"]
+
+
+class Transform(eqx.Module):
+    """Transform between points and the modes of one box; modes are arrays [3, *mode]."""
+
+    @abc.abstractmethod
+    def wave_vectors(self) -> tuple[Array, Array, Array]:
+        """Components kx, ky, kz, broadcastable to the shape of the modes, in 1/r0."""
+
+    @abc.abstractmethod
+    def _analyse(self, points: Points, strengths: Array) -> Array:
+        """Transform of strengths [component, ring, azimuth] to modes [component, *mode]."""
+
+    @abc.abstractmethod
+    def _synthesise(self, points: Sequence[Points], modes: Array) -> tuple[Array, ...]:
+        """Sums [component, ring, azimuth] of modes [component, *mode] for each set of points."""
+
+    def analyse(self, points: Points, strengths: Float[Array, "ring azimuth 3"]) -> Array:
+        """Modes [3, *mode] of real strengths at the points, differentiable in both."""
+        wave_vectors = self.wave_vectors()
+
+        @jax.custom_jvp
+        def transform(points: Points, strengths: Array) -> Array:
+            return self._analyse(points, jnp.moveaxis(strengths, -1, 0))
+
+        @transform.defjvp
+        def derivative(primals, tangents):  # type: ignore[no-untyped-def]
+            points, strengths = primals
+            d_points, d_strengths = tangents
+            dipoles = strengths[..., None, :] * d_points[..., :, None]
+            sources = jnp.concatenate([d_strengths[..., None, :], dipoles], axis=-2)
+            sources = jnp.moveaxis(sources.reshape(*points.shape[:2], 12), -1, 0)
+            moved = self._analyse(points, sources)
+            moved = moved.reshape(4, 3, *moved.shape[1:])
+            change = moved[0]
+            for component, part in zip(wave_vectors, moved[1:], strict=True):
+                change = change - 1j * component * part
+            return transform(points, strengths), change
+
+        return transform(points, strengths)
+
+    def synthesise(self, points: Sequence[Points], modes: Array) -> tuple[Array, ...]:
+        """Complex velocities [ring, azimuth, 3] at each set of points, differentiable in both."""
+        wave_vectors = self.wave_vectors()
+
+        @jax.custom_jvp
+        def transform(points: tuple[Points, ...], modes: Array) -> tuple[Array, ...]:
+            return tuple(jnp.moveaxis(u, 0, -1) for u in self._synthesise(points, modes))
+
+        @transform.defjvp
+        def derivative(primals, tangents):  # type: ignore[no-untyped-def]
+            points, modes = primals
+            d_points, d_modes = tangents
+            slopes = jnp.concatenate([1j * component * modes for component in wave_vectors])
+            gradients = self._synthesise(points, slopes)
+            changes = transform(points, d_modes)
+            moved = []
+            for d_x, gradient, change in zip(d_points, gradients, changes, strict=True):
+                by_direction = gradient.reshape(3, 3, *gradient.shape[1:])
+                moved.append(change + jnp.einsum("rak,kcra->rac", d_x, by_direction))
+            return transform(points, modes), tuple(moved)
+
+        return transform(tuple(points), modes)
+
+
+def _mode_numbers(length: float, largest: float) -> np.ndarray:
+    count = math.ceil(largest * length / (2.0 * math.pi))
+    return np.arange(-count, count + 1)
+
+
+class RingTransform(Transform):
+    """Separable transform for points in rings about the axis; modes are [axial, across].
+
+    Wave vectors across lie in a disc. `axial` may carry a shift q/period: the modes then are those
+    of a field that is periodic up to the factor exp(i q) per period.
+    """
+
+    across: Float[Array, "2 across"]
+    axial: Float[Array, " axial"]
+
+    def wave_vectors(self) -> tuple[Array, Array, Array]:
+        """Components kx, ky [1, across] and kz [axial, 1]."""
+        return self.across[0][None], self.across[1][None], self.axial[:, None]
+
+    def _phases(self, points: Points) -> tuple[Array, Array]:
+        """Real and imaginary part [ring, azimuth, 2 across] of the phase across; axial phase."""
+        radius = jnp.hypot(points[:, :1, 0], points[:, :1, 1])
+        direction = points[..., :2] / jnp.hypot(points[..., 0], points[..., 1])[..., None]
+        angle = radius[..., None] * (direction @ self.across)
+        across = jnp.concatenate([jnp.cos(angle), jnp.sin(angle)], axis=-1)
+        return across, jnp.exp(1j * points[:, 0, 2:] * self.axial)
+
+    def _analyse(self, points: Points, strengths: Array) -> Array:
+        across, axial = self._phases(points)
+        count = self.across.shape[1]
+        by_ring = jnp.einsum("rak,cra->rck", across, strengths)
+        by_ring = by_ring[..., :count] - 1j * by_ring[..., count:]
+        return jnp.einsum("rz,rck->czk", jnp.conj(axial), by_ring)
+
+    def _synthesise(self, points: Sequence[Points], modes: Array) -> tuple[Array, ...]:
+        sums = []
+        for each in points:
+            across, axial = self._phases(each)
+            by_ring = jnp.einsum("rz,czk->rck", axial, modes)
+            # Real matrix times the stacked parts of a complex one: (c + i s)(a + i b).
+            parts = jnp.concatenate([by_ring.real, -by_ring.imag], axis=-1)
+            cross = jnp.concatenate([by_ring.imag, by_ring.real], axis=-1)
+            sums.append(
+                jnp.einsum("rak,rck->cra", across, parts)
+                + 1j * jnp.einsum("rak,rck->cra", across, cross)
+            )
+        return tuple(sums)
+
+
+class NonuniformTransform(Transform):
+    """Nonuniform fast Fourier transform for any points; modes are [x, y, z] wave numbers."""
+
+    shape: tuple[int, int, int] = eqx.field(static=True)
+    width: float = eqx.field(static=True)
+    tolerance: float = eqx.field(static=True)
+    period: Float[Array, ""]
+
+    def wave_vectors(self) -> tuple[Array, Array, Array]:
+        """Components along the three axes of the modes."""
+        numbers = [2.0 * math.pi * (jnp.arange(n) - n // 2) for n in self.shape]
+        return (
+            numbers[0][:, None, None] / self.width,
+            numbers[1][None, :, None] / self.width,
+            numbers[2][None, None, :] / self.period,
+        )
+
+    def _angles(self, points: Sequence[Points]) -> tuple[Array, Array, Array]:
+        loose = jnp.concatenate([each.reshape(-1, 3) for each in points])
+        turn = loose[:, 2] / self.period
+        scale = 2.0 * math.pi / self.width
+        return scale * loose[:, 0], scale * loose[:, 1], 2 * math.pi * (turn - jnp.round(turn))
+
+    def _analyse(self, points: Points, strengths: Array) -> Array:
+        flat = strengths.reshape(strengths.shape[0], -1).astype(complex)
+        return nufft1(self.shape, flat, *self._angles([points]), eps=self.tolerance, iflag=-1)
+
+    def _synthesise(self, points: Sequence[Points], modes: Array) -> tuple[Array, ...]:
+        loose = nufft2(modes, *self._angles(points), eps=self.tolerance, iflag=1)
+        sizes = [each.shape[0] * each.shape[1] for each in points]
+        parts = jnp.split(loose, np.cumsum(sizes)[:-1], axis=1)
+        return tuple(
+            part.reshape(-1, *each.shape[:2]) for part, each in zip(parts, points, strict=True)
+        )
+
+
+def ring_transform(split: EwaldSplit, period: float, shift: float = 0.0) -> RingTransform:
+    """Transform for rings in a box of the given axial period; `shift` in 1/r0 is added to kz."""
+    largest = split.largest_wave_number
+    numbers = 2.0 * math.pi * _mode_numbers(split.width, largest) / split.width
+    kx, ky = (grid.ravel() for grid in np.meshgrid(numbers, numbers, indexing="ij"))
+    inside = kx**2 + ky**2 <= largest**2
+    # One number of modes for all shifts within half a period's wave number, so they can be stacked.
+    axial = 2.0 * math.pi * _mode_numbers(period, largest + math.pi / period) / period + shift
+    return RingTransform(jnp.asarray(np.stack([kx[inside], ky[inside]])), jnp.asarray(axial))
+
+
+def nonuniform_transform(split: EwaldSplit, period: float, tolerance: float) -> NonuniformTransform:
+    """Transform for any points in a box of the given axial period."""
+    across = _mode_numbers(split.width, split.largest_wave_number).size
+    axial = _mode_numbers(period, split.largest_wave_number).size
+    return NonuniformTransform(
+        (across, across, axial), split.width, tolerance, jnp.asarray(period, dtype=float)
+    )

@@ -1,0 +1,227 @@
+"""The no-slip wall of a straight round tube, by separation of variables.
+
+The flow that takes given values on the wall and is regular inside is known mode by mode. For
+exp(i(m theta + k z)), k != 0, with I = I_m(|k| r) and coefficients P, S, Q fixed at r = R,
+
+    u_r     = P r I'' + S I' + Q (i m/r) I,
+    u_theta = P (i m I' - i m I/r) + S (i m/r) I - Q I',
+    u_z     = P i k (r I' + I) + S i k I,            p = 2 k^2 P I
+
+(Happel & Brenner 1983, section 3.3). For k = 0, u_z ~ r^|m| and (u_r, u_theta) are combinations of
+r^(|m| - 1) and r^(|m| + 1); for m = 0 only a rigid rotation. The radial functions are kept as
+Chebyshev coefficients, which makes the evaluation at any point a Fourier sum in theta, z and
+arccos(r/R).
+"""
+
+import math
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax_finufft import nufft2
+from jaxtyping import Array, Complex, Float
+from scipy.special import ive
+
+import celltrain.runtime  # noqa: F401
+
+Cylindrical = tuple[Array, Array, Array]
+
+
+def _axial_response(m: int, k: float, radius: float, nodes: np.ndarray) -> np.ndarray:
+    """Radial functions [out, in, node] for k != 0 and unit boundary values.
+
+    Components are (u_r, u_theta/i, u_z/i), in which the system is real.
+    """
+    order, wave = abs(m), abs(k)
+    r = np.append(nodes, radius)
+    # I_m(|k| r)/I_m(|k| R), free of overflow.
+    scale = np.exp(wave * (r - radius)) / ive(order, wave * radius)
+    value = ive(order, wave * r) * scale
+    below = ive(order - 1, wave * r) if order else ive(1, wave * r)
+    slope = 0.5 * wave * (below + ive(order + 1, wave * r)) * scale
+    second = (wave**2 + (order / r) ** 2) * value - slope / r
+    columns = np.stack(
+        [
+            [r * second, slope, -m / r * value],
+            [m * slope - m / r * value, m / r * value, -slope],
+            [k * (r * slope + value), k * value, np.zeros_like(r)],
+        ]
+    )
+    # Columns scaled before the solve: for small k they differ by orders of magnitude.
+    size = np.abs(columns[:, :, -1]).max(axis=0)
+    inverse = np.linalg.inv(columns[:, :, -1] / size)
+    return np.einsum("ocn,ci->oin", columns[:, :, :-1] / size[None, :, None], inverse)
+
+
+def _uniform_response(m: int, radius: float, nodes: np.ndarray) -> np.ndarray:
+    """Radial functions [out, in, node] for k = 0 and unit boundary values."""
+    r = nodes / radius
+    response = np.zeros((3, 3, nodes.size))
+    response[2, 2] = r ** abs(m)
+    if m == 0:
+        response[1, 1] = r
+        return response
+    order = abs(m)
+    low, high = r ** (order - 1), r ** (order + 1)
+    basis = np.array([[low, high], [order / m * low, (order + 2) / m * high]])
+    at_wall = np.array([[1.0, 1.0], [order / m, (order + 2) / m]])
+    response[:2, :2] = np.einsum("ocn,ci->oin", basis, np.linalg.inv(at_wall))
+    return response
+
+
+class TubeWall(eqx.Module):
+    """Wall points and the regular flow that takes given values there.
+
+    `response` holds the Chebyshev coefficients (degree below 2 * nodes, of the parity of the
+    function) for each azimuthal number and axial wave number, [out, in, m, k, chebyshev].
+    """
+
+    radius: float = eqx.field(static=True)
+    tolerance: float = eqx.field(static=True)
+    period: Float[Array, ""]
+    orders: Float[Array, " m"]
+    axial: Float[Array, " k"]
+    shift: Float[Array, ""]
+    response: Float[Array, "3 3 m k chebyshev"]
+
+    def points(self) -> Float[Array, "k m 3"]:
+        """Wall points [z, theta, 3]: uniform, as many as modes."""
+        theta = 2.0 * math.pi * jnp.arange(self.orders.size) / self.orders.size
+        z = self.period * jnp.arange(self.axial.size) / self.axial.size
+        theta, z = theta[None, :], z[:, None]
+        return jnp.stack(
+            jnp.broadcast_arrays(self.radius * jnp.cos(theta), self.radius * jnp.sin(theta), z),
+            axis=-1,
+        )
+
+    def regular_flow(self, boundary: Complex[Array, "k m 3"]) -> Complex[Array, "3 m k chebyshev"]:
+        """Coefficients of the cylindrical components of the flow with this boundary velocity."""
+        n_z, n_theta, _ = boundary.shape
+        theta = 2.0 * math.pi * jnp.arange(n_theta) / n_theta
+        z = self.period * jnp.arange(n_z)[:, None] / n_z
+        u_x, u_y, u_z = (boundary[..., i] * jnp.exp(-1j * self.shift * z) for i in range(3))
+        cylindrical = jnp.stack(
+            [
+                u_x * jnp.cos(theta) + u_y * jnp.sin(theta),
+                -1j * (u_y * jnp.cos(theta) - u_x * jnp.sin(theta)),
+                -1j * u_z,
+            ]
+        )
+        modes = jnp.fft.fft2(cylindrical, norm="forward")
+        modes = jnp.fft.fftshift(modes, axes=(1, 2)).swapaxes(1, 2)
+        solved = jnp.einsum("oimkn,imk->omkn", self.response, modes)
+        return solved * jnp.array([1.0, 1j, 1j]).reshape(3, 1, 1, 1)
+
+    def at_rings(
+        self, points: Float[Array, "ring azimuth 3"], flow: Complex[Array, "3 m k chebyshev"]
+    ) -> Complex[Array, "ring azimuth 3"]:
+        """The flow at points in rings about the axis; derivatives in any direction are exact."""
+
+        def sums(points: Array, flow: Array, slope: bool) -> Array:
+            radius = jnp.hypot(points[:, 0, 0], points[:, 0, 1])
+            angle = jnp.arccos(radius / self.radius)[:, None]
+            n = jnp.arange(self.response.shape[-1])
+            radial = jnp.cos(n * angle)
+            if slope:
+                radial = n * jnp.sin(n * angle) / (jnp.sin(angle) * self.radius)
+            axial = jnp.exp(1j * points[:, 0, 2:] * self.axial)
+            theta = jnp.arctan2(points[..., 1], points[..., 0])
+            turn = jnp.exp(1j * theta[..., None] * self.orders)
+            by_ring = jnp.einsum("rk,cmkn->rcmn", axial, flow)
+            by_ring = jnp.einsum("rn,rcmn->rcm", radial.astype(complex), by_ring)
+            return jnp.einsum("ram,rcm->rac", turn, by_ring)
+
+        @jax.custom_jvp
+        def cylindrical(points: Array, flow: Array) -> Array:
+            return sums(points, flow, slope=False)
+
+        @cylindrical.defjvp
+        def derivative(primals, tangents):  # type: ignore[no-untyped-def]
+            points, flow = primals
+            d_points, d_flow = tangents
+            square = points[..., 0] ** 2 + points[..., 1] ** 2
+            radius = jnp.sqrt(square)
+            d_radius = points[..., 0] * d_points[..., 0] + points[..., 1] * d_points[..., 1]
+            d_theta = points[..., 0] * d_points[..., 1] - points[..., 1] * d_points[..., 0]
+            change = sums(points, d_flow, slope=False)
+            for step, factor, slope in (
+                (d_radius / radius, 1.0, True),
+                (d_theta / square, 1j * self.orders[:, None, None], False),
+                (d_points[..., 2], 1j * self.axial[:, None], False),
+            ):
+                change = change + step[..., None] * sums(points, factor * flow, slope)
+            return sums(points, flow, slope=False), change
+
+        return _to_cartesian(points, cylindrical(points, flow))
+
+    def at_points(
+        self, points: Float[Array, "ring azimuth 3"], flow: Complex[Array, "3 m k chebyshev"]
+    ) -> Complex[Array, "ring azimuth 3"]:
+        """The flow at any points inside the tube; only for a train without axial shift."""
+        loose = points.reshape(-1, 3)
+        square = loose[:, 0] ** 2 + loose[:, 1] ** 2
+        theta = jnp.arctan2(loose[:, 1], loose[:, 0])
+        psi = jnp.arccos(jnp.clip(jnp.sqrt(square) / self.radius, 0.0, 1.0))
+        # sum_n c_n cos(n psi) as a Fourier sum over -n .. n.
+        half = 0.5 * flow
+        both = jnp.concatenate([half[..., :0:-1], flow[..., :1], half[..., 1:]], axis=-1)
+        angle_z = 2.0 * math.pi * (loose[:, 2] / self.period)
+        angle_z = angle_z - 2.0 * math.pi * jnp.round(loose[:, 2] / self.period)
+        sums = nufft2(both, theta, angle_z, psi, eps=self.tolerance, iflag=1)
+        return _to_cartesian(points, jnp.moveaxis(sums, 0, -1).reshape(points.shape))
+
+
+def _to_cartesian(points: Array, cylindrical: Array) -> Array:
+    radius = jnp.sqrt(points[..., 0] ** 2 + points[..., 1] ** 2)
+    cosine, sine = points[..., 0] / radius, points[..., 1] / radius
+    u_r, u_theta, u_z = (cylindrical[..., i] for i in range(3))
+    return jnp.stack([u_r * cosine - u_theta * sine, u_r * sine + u_theta * cosine, u_z], axis=-1)
+
+
+def tube_wall(
+    radius: float, period: float, *, gap: float, tolerance: float, shift: float = 0.0
+) -> TubeWall:
+    """Wall of a tube, fine enough for surfaces at a distance of `gap` or more.
+
+    The velocity on the wall that a source at that distance gives has modes that fall as
+    exp(-k gap), and so does their effect back at that distance; both are resolved to `tolerance`.
+
+    **Arguments:** `shift` (1/r0) is added to every axial wave number (quasi-periodic flow).
+    """
+    largest = -math.log(tolerance) / (1.4 * gap)
+    n_theta = 2 * math.ceil(largest * radius) + 1
+    n_z = 2 * math.ceil(largest * period / (2.0 * math.pi)) + 1
+    # Chebyshev degree for exp(k R x) to the tolerance, k the largest wave number.
+    steep = largest * radius
+    nodes_count = math.ceil(0.5 * math.sqrt(2.0 * steep * -math.log(tolerance))) + 8
+    full = 2 * nodes_count
+    psi = (np.arange(nodes_count) + 0.5) * np.pi / full
+    nodes = radius * np.cos(psi)
+    to_chebyshev = np.cos(np.outer(np.arange(full), psi)) * (2.0 / nodes_count)
+    to_chebyshev[0] *= 0.5
+    # By symmetry the other half of the nodes doubles coefficients of the right parity.
+    even = (np.arange(full) % 2 == 0)[:, None]
+    orders = np.arange(n_theta) - n_theta // 2
+    axial = 2.0 * np.pi * (np.arange(n_z) - n_z // 2) / period + shift
+    response = np.zeros((3, 3, n_theta, n_z, full))
+    for i, m in enumerate(orders):
+        along = to_chebyshev * (even if m % 2 == 0 else ~even)
+        across = to_chebyshev * (even if m % 2 else ~even)
+        for j, k in enumerate(axial):
+            values = (
+                _uniform_response(int(m), radius, nodes)
+                if k == 0.0
+                else _axial_response(int(m), float(k), radius, nodes)
+            )
+            response[:2, :, i, j] = values[:2] @ across.T
+            response[2, :, i, j] = values[2] @ along.T
+    return TubeWall(
+        radius=radius,
+        tolerance=tolerance,
+        period=jnp.asarray(period, dtype=float),
+        orders=jnp.asarray(orders, dtype=float),
+        axial=jnp.asarray(axial),
+        shift=jnp.asarray(shift, dtype=float),
+        response=jnp.asarray(response),
+    )

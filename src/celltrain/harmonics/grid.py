@@ -1,0 +1,79 @@
+"""Quadrature on the unit sphere: product grids, and rules about a target point."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+import celltrain.runtime  # noqa: F401
+from celltrain.harmonics.basis import real_harmonics
+
+
+class SphereGrid(eqx.Module):
+    """Gauss-Legendre colatitudes times uniform longitudes, with the harmonics on them.
+
+    Points are ordered ring by ring. `weights` are those of solid angle; they integrate harmonics
+    of degree up to 2 * rings - 1 exactly, which makes `projection` exact for them.
+    """
+
+    rings: int = eqx.field(static=True)
+    azimuths: int = eqx.field(static=True)
+    theta: Float[Array, " ring"]
+    phi: Float[Array, " azimuth"]
+    weights: Float[Array, " point"]
+    values: Float[Array, "point coefficient"]
+
+    @property
+    def projection(self) -> Float[Array, "coefficient point"]:
+        """Matrix from values on the grid to harmonic coefficients."""
+        return (self.values * self.weights[:, None]).T
+
+    def points(self) -> tuple[np.ndarray, np.ndarray]:
+        """Colatitude and longitude of every point, each [ring * azimuth]."""
+        theta, phi = np.meshgrid(np.asarray(self.theta), np.asarray(self.phi), indexing="ij")
+        return theta.ravel(), phi.ravel()
+
+
+def sphere_grid(degree: int, order: int) -> SphereGrid:
+    """Grid of `order` rings with 2 * order azimuths, with the harmonics below `degree`."""
+    nodes, gauss = np.polynomial.legendre.leggauss(order)
+    theta = np.arccos(nodes)[::-1].copy()
+    phi = np.arange(2 * order) * np.pi / order
+    all_theta, all_phi = np.repeat(theta, 2 * order), np.tile(phi, order)
+    return SphereGrid(
+        rings=order,
+        azimuths=2 * order,
+        theta=jnp.asarray(theta),
+        phi=jnp.asarray(phi),
+        weights=jnp.asarray(np.repeat(gauss[::-1], 2 * order) * np.pi / order),
+        values=jnp.asarray(real_harmonics(degree, all_theta, all_phi)),
+    )
+
+
+def polar_rule(
+    theta: float, radial: int, azimuthal: int
+) -> tuple[Float[np.ndarray, " node"], Float[np.ndarray, " node"], Float[np.ndarray, " node"]]:
+    """Quadrature about the point (theta, phi = 0) taken as the pole of a rotated sphere.
+
+    With alpha the angle from that point, the area element sin(alpha) dalpha dbeta cancels a
+    singularity 1/alpha. Gauss-Legendre in alpha, uniform in beta (half a step off the plane of
+    symmetry, so that the rule is symmetric and no node repeats).
+
+    Returns colatitudes, longitudes, and weights of solid angle, each [radial * azimuthal].
+    """
+    nodes, gauss = np.polynomial.legendre.leggauss(radial)
+    alpha, beta = np.meshgrid(
+        0.5 * np.pi * (nodes + 1.0),
+        (np.arange(azimuthal) + 0.5) * 2 * np.pi / azimuthal,
+        indexing="ij",
+    )
+    weight = (0.5 * np.pi * gauss)[:, None] * np.sin(alpha) * (2 * np.pi / azimuthal)
+    across, along, up = (
+        np.sin(alpha) * np.cos(beta),
+        np.sin(alpha) * np.sin(beta),
+        np.cos(alpha),
+    )
+    x = np.cos(theta) * across + np.sin(theta) * up
+    z = np.cos(theta) * up - np.sin(theta) * across
+    node_theta = np.arctan2(np.hypot(x, along), z)
+    return node_theta.ravel(), np.arctan2(along, x).ravel(), weight.ravel()

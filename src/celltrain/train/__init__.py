@@ -1,0 +1,25 @@
+"""A train of cells: from their shapes to the rates at which they change."""
+
+from celltrain.train.axisymmetry import axisymmetric_basis, azimuthal_basis, azimuthal_families
+from celltrain.train.geometry import largest_radius, meridian, streamwise_gap
+from celltrain.train.operator import (
+    TrainOperator,
+    place_cells,
+    resting_shapes,
+    train_membrane,
+    train_operator,
+)
+
+__all__ = [
+    "TrainOperator",
+    "axisymmetric_basis",
+    "azimuthal_basis",
+    "azimuthal_families",
+    "largest_radius",
+    "meridian",
+    "place_cells",
+    "resting_shapes",
+    "streamwise_gap",
+    "train_membrane",
+    "train_operator",
+]

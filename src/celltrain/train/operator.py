@@ -1,0 +1,204 @@
+"""The one function that everything else uses: from the shapes of a train to their rates of change.
+
+    shapes s --> force F = -dE/ds --> velocity u = K(s) F + u_flow --> ds/dt = v(s)
+
+v(s) is the velocity on a target grid, expanded in the harmonics below the shape's degree, less the
+small part that would change a cell's volume: the expansion's truncation lets a volume drift by
+about 1e-6 r0^3 per r0/U, and with it steady trains would not exist to better than that.
+"""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from celltrain.flow import OwnSurfaceRule, PeriodicTube, own_surface_rule, periodic_tube
+from celltrain.harmonics import SphereGrid, sphere_grid
+from celltrain.membrane import Membrane, make_membrane, reference_coefficients
+from celltrain.membrane.laws import make_law
+from celltrain.parameters import Resolution, Train
+
+Shapes = Float[Array, "cell 3 coefficient"]
+
+# Largest axial distance of a membrane from its cell's centre for which images are counted.
+HALF_LENGTH = 2.5
+
+
+class TrainOperator(eqx.Module):
+    """Rates of change of the shapes in one period of a train.
+
+    With `meridian`, shapes must be axisymmetric, and the velocity is computed on one meridian only.
+    """
+
+    membrane: Membrane
+    tube: PeriodicTube
+    own_rule: OwnSurfaceRule
+    source_grid: SphereGrid
+    target_grid: SphereGrid
+    meridian: bool = eqx.field(static=True)
+
+    def rates(self, shapes: Shapes) -> Shapes:
+        """v(s) = ds/dt, in U."""
+        forces = self.forces(shapes)
+        targets = self.targets(shapes)
+        velocity = self.own_velocity(targets, shapes, forces)
+        velocity = velocity + self.outer_velocity(targets, shapes, forces)
+        return self.conserve_volume(shapes, self.project(velocity))
+
+    def forces(self, shapes: Shapes) -> Shapes:
+        """Force of the membranes on the fluid per solid angle, in mu U r0."""
+        return jax.vmap(self.membrane.force)(shapes)
+
+    def targets(self, shapes: Shapes) -> Float[Array, "cell ring azimuth 3"]:
+        """Points of the target grid on each cell."""
+        grid = self.target_grid
+        values = grid.values.reshape(grid.rings, grid.azimuths, -1)
+        if self.meridian:
+            values = values[:, :1]
+        return jnp.einsum("rak,cik->crai", values, shapes)
+
+    def sources(
+        self, shapes: Shapes, forces: Shapes
+    ) -> tuple[Float[Array, "cell ring azimuth 3"], Float[Array, "cell ring azimuth 3"]]:
+        """Points of the source grid and the point forces there, in r0 and mu U r0."""
+        grid = self.source_grid
+        shape = (shapes.shape[0], grid.rings, grid.azimuths, 3)
+        points = jnp.einsum("pk,cik->cpi", grid.values, shapes)
+        strengths = jnp.einsum("pk,cik->cpi", grid.values * grid.weights[:, None], forces)
+        return points.reshape(shape), strengths.reshape(shape)
+
+    def own_velocity(
+        self, targets: Float[Array, "cell ring azimuth 3"], shapes: Shapes, forces: Shapes
+    ) -> Float[Array, "cell ring azimuth 3"]:
+        """Velocity on each cell by the near kernel of its own force."""
+        longitudes = self.target_grid.phi[: targets.shape[2]]
+        return self.own_rule.velocity(targets, longitudes, shapes, forces)
+
+    def outer_velocity(
+        self, targets: Float[Array, "cell ring azimuth 3"], shapes: Shapes, forces: Shapes
+    ) -> Array:
+        """All other parts of the velocity on the cells: other cells, images, wall, flow rate."""
+        owners = jnp.arange(shapes.shape[0])
+        return self.tube.velocity(targets, owners, *self.sources(shapes, forces))
+
+    def velocity_at(
+        self, points: Float[Array, "point 3"], shapes: Shapes
+    ) -> Float[Array, "point 3"]:
+        """Velocity, in U, at points in the fluid or inside cells, not too close to a membrane.
+
+        The source grid is used as it is: its spacing should be well below a point's distance from
+        the nearest membrane.
+        """
+        loose = self.sources(shapes, self.forces(shapes))
+        off_cells = jnp.array([-1])
+        return self.tube.velocity(points[None, :, None], off_cells, *loose)[0, :, 0]
+
+    def project(self, velocity: Array) -> Array:
+        """Harmonic coefficients [cell, 3, coefficient] of velocities on the target grid."""
+        if self.meridian:
+            # The velocity at longitude phi is that at 0, turned.
+            cosine, sine = jnp.cos(self.target_grid.phi), jnp.sin(self.target_grid.phi)
+            radial, swirl, axial = (velocity[..., i] for i in range(3))
+            velocity = jnp.stack(
+                [
+                    radial * cosine - swirl * sine,
+                    radial * sine + swirl * cosine,
+                    jnp.broadcast_to(axial, axial.shape[:-1] + cosine.shape),
+                ],
+                axis=-1,
+            )
+        cells = velocity.shape[0]
+        return jnp.einsum(
+            "kp,cpi->cik", self.target_grid.projection, velocity.reshape(cells, -1, 3)
+        )
+
+    def conserve_volume(self, shapes: Shapes, rates: Array) -> Array:
+        """Rates without their component along the gradient of each cell's volume."""
+        gradient = jax.vmap(self.membrane.volume_gradient)(shapes)
+        along = jnp.sum(gradient * rates, axis=(1, 2)) / jnp.sum(gradient**2, axis=(1, 2))
+        return rates - along[:, None, None] * gradient
+
+    def effective_viscosity(self, shapes: Shapes) -> Float[Array, ""]:
+        """Pressure drop relative to that of plasma alone at the same flow rate."""
+        return 1.0 - self.tube.extra_flux(*self.sources(shapes, self.forces(shapes)))
+
+
+def train_membrane(train: Train) -> Membrane:
+    """The membrane that a train's cells have."""
+    cell, resolution = train.cell, train.resolution
+    return make_membrane(
+        make_law(cell.law, cell.shear_modulus, cell.dilatation_modulus),
+        cell.bending_modulus,
+        reference_coefficients(resolution.degree, cell.reference),
+        energy_order=resolution.energy_order,
+    )
+
+
+def resting_shapes(train: Train, cells: int) -> Float[np.ndarray, "cell 3 coefficient"]:
+    """Resting cells on the axis, one period apart, the first at z = 0."""
+    return place_cells(
+        reference_coefficients(train.resolution.degree, train.cell.reference), train, cells
+    )
+
+
+def place_cells(
+    shape: Float[np.ndarray, "3 coefficient"], train: Train, cells: int
+) -> Float[np.ndarray, "cell 3 coefficient"]:
+    """Copies of one cell, one period apart along the tube."""
+    shapes = np.repeat(np.asarray(shape)[None], cells, axis=0)
+    # Y_00 = 1/sqrt(4 pi): a displacement by d adds d sqrt(4 pi) to the first coefficient.
+    shapes[:, 2, 0] += np.sqrt(4.0 * np.pi) * train.period * np.arange(cells)
+    return shapes
+
+
+def train_operator(
+    train: Train,
+    *,
+    cells: int = 1,
+    rings: bool = True,
+    meridian: bool = False,
+    wave_number: float | None = None,
+) -> TrainOperator:
+    """The operator for `cells` cells in a period of their own.
+
+    **Arguments:**
+
+    - `rings`: the base shapes are axisymmetric about the axis (derivatives may leave that); with
+      `rings=False` any shapes are allowed.
+    - `meridian`: only axisymmetric shapes and disturbances.
+    - `wave_number`: q in radians per period, for disturbances that change by exp(i q) from one
+      period to the next.
+    """
+    resolution: Resolution = train.resolution
+    resting = train_membrane(train)
+    target_grid = sphere_grid(resolution.degree, resolution.target_order)
+    widest = float(
+        np.hypot(
+            *np.asarray(jnp.einsum("pk,ik->ip", target_grid.values, resting.reference_shape))[:2]
+        ).max()
+    )
+    tube = periodic_tube(
+        train.tube.diameter,
+        cells * train.period,
+        gap=train.radius - widest,
+        extent=HALF_LENGTH,
+        cutoff=resolution.near_cutoff,
+        tolerance=resolution.tolerance,
+        rings=rings,
+        wave_number=wave_number,
+    )
+    return TrainOperator(
+        membrane=resting,
+        tube=tube,
+        own_rule=own_surface_rule(
+            resolution.degree,
+            np.asarray(target_grid.theta),
+            radial=resolution.polar_radial,
+            azimuthal=resolution.polar_azimuthal,
+            parameter=tube.split.parameter,
+        ),
+        source_grid=sphere_grid(resolution.degree, resolution.source_order),
+        target_grid=target_grid,
+        meridian=meridian,
+    )
