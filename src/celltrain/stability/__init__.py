@@ -1,0 +1,23 @@
+"""Linear stability of steady trains."""
+
+from celltrain.stability.analysis import neutral_space, stability
+from celltrain.stability.linearise import linear_blocks
+from celltrain.stability.norms import NORMS, Norm, OrthonormalNorm, PaperNorm, SurfaceNorm
+from celltrain.stability.result import Mode, Stability, TransientMode
+from celltrain.stability.spectrum import block_spectrum, numerical_abscissa
+
+__all__ = [
+    "NORMS",
+    "Mode",
+    "Norm",
+    "OrthonormalNorm",
+    "PaperNorm",
+    "Stability",
+    "SurfaceNorm",
+    "TransientMode",
+    "block_spectrum",
+    "linear_blocks",
+    "neutral_space",
+    "numerical_abscissa",
+    "stability",
+]

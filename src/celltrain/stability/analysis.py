@@ -1,0 +1,190 @@
+"""The stability of a steady train: all blocks, their spectra, and what stands out."""
+
+import time
+from collections.abc import Sequence
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from celltrain.parameters import CaseError
+from celltrain.runtime import timed
+from celltrain.stability.linearise import Blocks, Progress, linear_blocks
+from celltrain.stability.norms import NORMS
+from celltrain.stability.result import Mode, Stability, TransientMode
+from celltrain.stability.spectrum import (
+    BlockSpectrum,
+    NeutralSpace,
+    block_spectrum,
+    numerical_abscissa,
+)
+from celltrain.steady import Base, NotConverged, steady
+from celltrain.train import azimuthal_basis, train_membrane
+
+# How many degrees more the estimate of the resolution's error takes.
+MORE_DEGREES = 2
+
+
+def neutral_space(base: Base, m: int, wave: int) -> NeutralSpace:
+    """The known null vectors of A_m(2 pi wave/N), in `azimuthal_basis(degree, m)`."""
+    shape = base.coefficients
+    basis = azimuthal_basis(base.train.resolution.degree, m)
+    empty = np.zeros((len(basis), 0))
+    if m != 0:
+        return NeutralSpace(empty, (), None)
+    turned = np.stack([-shape[1], shape[0], np.zeros_like(shape[0])])
+    right = [_unit(np.einsum("uik,ik->u", basis, turned))]
+    kinds = ["rotation"]
+    if wave == 0:
+        right.append(np.eye(len(basis))[0])
+        kinds.append("translation")
+    gradient = np.asarray(train_membrane(base.train).volume_gradient(jnp.asarray(shape)))
+    volume = _unit(np.einsum("uik,ik->u", basis, gradient))
+    return NeutralSpace(np.stack(right, axis=1), tuple(kinds), volume)
+
+
+def _unit(vector: Float[np.ndarray, " size"]) -> Float[np.ndarray, " size"]:
+    return vector / np.linalg.norm(vector)
+
+
+def stability(
+    base: Base,
+    *,
+    azimuthal_numbers: Sequence[int] | None = None,
+    estimate_error: bool = True,
+    progress: Progress | None = None,
+) -> Stability:
+    """The linear dynamics of a train of N cells about its steady state.
+
+    **Arguments:**
+
+    - `base`: from `steady`; it must be converged.
+    - `azimuthal_numbers`: those to compute, 0 to M; all if not given. Few cost as much as all, up
+      to the eigenvalues.
+    - `estimate_error`: repeat the leading eigenvalue with two degrees more.
+    - `progress`: called with (wave numbers done, all).
+
+    **Returns:** a `Stability`.
+
+    **Raises:** `CaseError` for a viscosity ratio other than 1 or an azimuthal number out of range.
+    """
+    begin = time.perf_counter()
+    train = base.train
+    degree, cells = train.resolution.degree, train.cells
+    if train.flow.viscosity_ratio != 1.0:
+        raise CaseError(
+            f"viscosity_ratio = {train.flow.viscosity_ratio:g} is not allowed for a stability "
+            "analysis: allowed is 1 (the steady train itself does not depend on it)"
+        )
+    numbers = tuple(range(degree + 1) if azimuthal_numbers is None else azimuthal_numbers)
+    for m in numbers:
+        if not 0 <= m <= degree:
+            raise CaseError(f"azimuthal number {m} is not allowed: allowed are 0 to {degree}")
+    if not numbers:
+        raise CaseError(f"no azimuthal number is given: allowed are 0 to {degree}")
+    waves = np.arange(cells // 2 + 1)
+    timings = dict(base.seconds)
+    blocks = linear_blocks(
+        train,
+        base.coefficients,
+        2.0 * np.pi * waves / cells,
+        numbers,
+        progress=progress,
+        seconds=timings,
+    )
+
+    with timed(timings, "spectrum"):
+        spectra = {
+            m: [block_spectrum(blocks[m][j], neutral_space(base, m, int(j))) for j in waves]
+            for m in numbers
+        }
+        modes = _sorted_modes(spectra, cells)
+        leading = next(mode for mode in modes if not mode.neutral)
+        abscissas, transient = _transient(base, blocks)
+    error = float("nan")
+    if estimate_error:
+        with timed(timings, "error_estimate"):
+            error = _resolution_error(base, leading)
+    timings["total"] = time.perf_counter() - begin + sum(base.seconds.values())
+    return Stability(
+        base=base,
+        azimuthal_numbers=numbers,
+        wave_numbers=waves,
+        blocks=blocks,
+        eigenvalues={m: np.stack([s.eigenvalues for s in each]) for m, each in spectra.items()},
+        right_vectors={m: np.stack([s.right for s in each]) for m, each in spectra.items()},
+        left_vectors={m: np.stack([s.left for s in each]) for m, each in spectra.items()},
+        modes=modes,
+        spectral_abscissa=leading.growth_rate,
+        numerical_abscissa=abscissas["paper"],
+        numerical_abscissas=abscissas,
+        error_estimate=error,
+        transient=transient,
+        seconds=timings,
+    )
+
+
+def _sorted_modes(spectra: dict[int, list[BlockSpectrum]], cells: int) -> tuple[Mode, ...]:
+    modes = []
+    for m, each in spectra.items():
+        for wave, spectrum in enumerate(each):
+            conjugate = 1 if wave == 0 or 2 * wave == cells else 2
+            multiplicity = conjugate * (1 if m == 0 else 2)
+            for index, (value, kind) in enumerate(
+                zip(spectrum.eigenvalues, spectrum.kinds, strict=True)
+            ):
+                modes.append(
+                    Mode(
+                        growth_rate=float(value.real),
+                        frequency=float(value.imag),
+                        azimuthal_number=m,
+                        wave_number=wave,
+                        neutral=bool(kind),
+                        multiplicity=multiplicity,
+                        index=index,
+                        neutral_kind=kind,
+                    )
+                )
+    return tuple(sorted(modes, key=lambda mode: -mode.growth_rate))
+
+
+def _transient(base: Base, blocks: Blocks) -> tuple[dict[str, float], TransientMode]:
+    """Numerical abscissa in every norm, and the optimal disturbance in the paper's norm."""
+    abscissas: dict[str, float] = {}
+    optimal: TransientMode | None = None
+    for norm in NORMS:
+        candidates = []
+        for m, each in blocks.items():
+            gram = norm.gram(base.coefficients, m)
+            for wave, block in enumerate(each):
+                rate, vector = numerical_abscissa(block, gram)
+                candidates.append(TransientMode(rate, m, wave, vector))
+        best = max(candidates, key=lambda each: each.growth_rate)
+        abscissas[norm.name] = best.growth_rate
+        if norm.name == "paper":
+            optimal = best
+    assert optimal is not None
+    return abscissas, optimal
+
+
+def _resolution_error(base: Base, leading: Mode) -> float:
+    """Change of the largest growth rate of the leading m and q by two more degrees.
+
+    Not a number if the finer train cannot be had.
+    """
+    train = base.train
+    finer = train.changed(degree=train.resolution.degree + MORE_DEGREES)
+    try:
+        nearby = steady(finer, start=base)
+    except NotConverged:
+        return float("nan")
+    m, wave = leading.azimuthal_number, leading.wave_number
+    q = np.array([2.0 * np.pi * wave / train.cells])
+    block = linear_blocks(finer, nearby.coefficients, q, [m])[m][0]
+    spectrum = block_spectrum(block, neutral_space(nearby, m, wave))
+    rates = [
+        value.real
+        for value, kind in zip(spectrum.eigenvalues, spectrum.kinds, strict=True)
+        if not kind
+    ]
+    return abs(leading.growth_rate - max(rates))

@@ -1,0 +1,185 @@
+"""The exact linear dynamics of a steady train, block by block.
+
+A disturbance of the train's cells by exp(i q p), p the number of the cell, and of azimuthal number
+m keeps its form: the derivative of the rates falls apart into one small matrix A_m(q) for each q
+and m. With u = K[x, y] F(y), x the targets and y the sources,
+
+    A_m(q) = d/ds own + d/dx outer(q = 0) + d/d(y, F) outer(q),
+
+in which only the last part depends on q. One derivative carries all m at once, since the answers
+separate: 3 M directions give everything. Directions are taken in batches of bounded size.
+"""
+
+from collections.abc import Callable, Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Complex, Float, Int
+
+from celltrain.parameters import Train
+from celltrain.runtime import timed
+from celltrain.train import (
+    TrainOperator,
+    azimuthal_basis,
+    azimuthal_families,
+    train_operator,
+)
+
+BATCH = 12
+
+Directions = Float[Array, "direction 3 coefficient"]
+Blocks = dict[int, Complex[np.ndarray, "wave size size"]]
+Progress = Callable[[int, int], None]
+
+
+def combined_directions(
+    degree: int, azimuthal_numbers: Sequence[int]
+) -> tuple[Float[np.ndarray, "direction 3 coefficient"], list[list[tuple[int, int]]]]:
+    """Sums of basis members, one of each azimuthal number, and what each sum holds.
+
+    **Returns:** the directions, and for each a list of (m, column of A_m). The swirl (m = 0) rides
+    along with the radial members: it is odd under the mirror image, they are even.
+    """
+    directions: list[np.ndarray] = []
+    contents: list[list[tuple[int, int]]] = []
+    places: dict[tuple[int, int], int] = {}
+    for m in azimuthal_numbers:
+        column = 0
+        for kind, family in enumerate(azimuthal_families(degree, m)):
+            kind = 1 if m == 0 and kind == 2 else kind
+            for row, member in enumerate(family):
+                place = places.setdefault((kind, row), len(directions))
+                if place == len(directions):
+                    directions.append(np.zeros((3, degree * degree)))
+                    contents.append([])
+                directions[place] += member
+                contents[place].append((m, column))
+                column += 1
+    return np.stack(directions), contents
+
+
+def _mirror_parity(degree: int, m: int) -> Int[np.ndarray, " member"]:
+    """+1 for members that are even under y -> -y, -1 for the swirl, which is odd."""
+    even, rising, third = (len(family) for family in azimuthal_families(degree, m))
+    return np.repeat([1, 1, -1 if m == 0 else 1], [even, rising, third])
+
+
+@eqx.filter_jit
+def _fixed_part(
+    operator: TrainOperator, shape: Float[Array, "3 coefficient"], directions: Directions
+) -> tuple[Directions, Directions]:
+    """The part of dv that does not depend on q, and the derivative of the force."""
+    shapes = shape[None]
+
+    def local(shapes: Array) -> tuple[Array, Array]:
+        forces = operator.forces(shapes)
+        own = operator.own_velocity(operator.targets(shapes), shapes, forces)
+        return operator.project(own), forces
+
+    forces = operator.forces(shapes)
+    targets = operator.targets(shapes)
+
+    def outer(targets: Array) -> Array:
+        return operator.outer_velocity(targets, shapes, forces)
+
+    # Derivatives along x, y, z at every target at once: du = sum_k dx_k (du/dx_k).
+    along = [jnp.zeros_like(targets).at[..., k].set(1.0) for k in range(3)]
+    gradient = jnp.stack([jax.jvp(outer, (targets,), (step,))[1] for step in along])
+
+    def change(direction: Array) -> tuple[Array, Array]:
+        moved, force = jax.jvp(local, (shapes,), (direction[None],))[1]
+        step = operator.targets(direction[None])
+        carried = operator.project(jnp.einsum("crak,kcrai->crai", step, gradient))
+        return (moved + carried)[0], force[0]
+
+    return jax.lax.map(change, directions, batch_size=BATCH)
+
+
+@eqx.filter_jit
+def _wave_part(
+    operator: TrainOperator,
+    shape: Float[Array, "3 coefficient"],
+    directions: Directions,
+    force_changes: Directions,
+) -> Complex[Array, "direction 3 coefficient"]:
+    """The part of dv that the sources and their images with phase exp(i q p) give."""
+    shapes = shape[None]
+    forces, targets = operator.forces(shapes), operator.targets(shapes)
+
+    def outer(shapes: Array, forces: Array) -> Array:
+        return operator.outer_velocity(targets, shapes, forces)
+
+    def change(pair: tuple[Array, Array]) -> Array:
+        steps = (pair[0][None], pair[1][None])
+        return operator.project(jax.jvp(outer, (shapes, forces), steps)[1])[0]
+
+    return jax.lax.map(change, (directions, force_changes), batch_size=BATCH)
+
+
+@eqx.filter_jit
+def _conserve(
+    operator: TrainOperator, shape: Float[Array, "3 coefficient"], changes: Array
+) -> Array:
+    """Changes of the rates without their component along the volume's gradient n.
+
+    The gradient's own change does not count: a steady train's rates are U_c e_z, and
+    n . e_z = 0 whatever the shape.
+    """
+
+    def one(change: Array) -> Array:
+        return operator.conserve_volume(shape[None], change[None])[0]
+
+    return jax.vmap(one)(changes)
+
+
+def linear_blocks(
+    train: Train,
+    shape: Float[np.ndarray, "3 coefficient"],
+    wave_numbers: Float[np.ndarray, " wave"],
+    azimuthal_numbers: Sequence[int],
+    *,
+    seconds: dict[str, float] | None = None,
+    progress: Progress | None = None,
+) -> Blocks:
+    """Matrices A_m(q) of the linear dynamics about an axisymmetric steady train, in U/r0.
+
+    **Arguments:**
+
+    - `shape`: coefficients of one cell of the steady train.
+    - `wave_numbers`: q, in radians per cell.
+    - `azimuthal_numbers`: m >= 0; -m has the same matrix.
+    - `seconds`: takes the time spent, under "linearise" and "compile".
+    - `progress`: called with (wave numbers done, all).
+
+    **Returns:** for each m the matrices in the basis `azimuthal_basis(degree, m)`, one per q. The
+    column of a disturbance holds its rate of change; `A_m(-q)` is the complex conjugate of
+    `A_m(q)`.
+    """
+    degree = train.resolution.degree
+    directions, contents = combined_directions(degree, azimuthal_numbers)
+    bases = {m: azimuthal_basis(degree, m) for m in azimuthal_numbers}
+    blocks: Blocks = {
+        m: np.zeros((len(wave_numbers), len(basis), len(basis)), dtype=complex)
+        for m, basis in bases.items()
+    }
+    base, steps = jnp.asarray(shape), jnp.asarray(directions)
+    seconds = {} if seconds is None else seconds
+    with timed(seconds, "linearise"):
+        fixed, force_changes = jax.block_until_ready(
+            _fixed_part(train_operator(train), base, steps)
+        )
+    for wave, q in enumerate(wave_numbers):
+        with timed(seconds, "linearise"):
+            operator = train_operator(train, wave_number=float(q))
+            changes = _wave_part(operator, base, steps, force_changes)
+            answers = np.asarray(_conserve(operator, base, fixed + changes))
+        for answer, members in zip(answers, contents, strict=True):
+            for m, column in members:
+                parity = _mirror_parity(degree, m)
+                part = np.einsum("uik,ik->u", bases[m], answer)
+                blocks[m][wave, :, column] = np.where(parity == parity[column], part, 0.0)
+        if progress is not None:
+            progress(wave + 1, len(wave_numbers))
+    return blocks

@@ -1,0 +1,96 @@
+"""What is known of a train's linear dynamics."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float, Int
+
+from celltrain.steady import Base
+from celltrain.train import azimuthal_basis
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One eigenvalue of the linear dynamics, with its place in a `Stability`.
+
+    `wave_number` is the integer j of q = 2 pi j/N; the mode with -j is the complex conjugate. One
+    entry stands for `multiplicity` eigenvalues of the full matrix: twice for the mirror image of a
+    mode with azimuthal_number > 0, twice for -j unless that is the same wave. `index` is the column
+    in `right_vectors[azimuthal_number][wave_number]`.
+    """
+
+    growth_rate: float
+    frequency: float
+    azimuthal_number: int
+    wave_number: int
+    neutral: bool
+    multiplicity: int
+    index: int
+    neutral_kind: str
+
+
+@dataclass(frozen=True)
+class TransientMode:
+    """The disturbance that grows fastest at first (in the paper's norm), Eq. (15)."""
+
+    growth_rate: float
+    azimuthal_number: int
+    wave_number: int
+    vector: Complex[np.ndarray, " size"]
+
+
+@dataclass(frozen=True)
+class Stability:
+    """The linear dynamics about a steady train, rates in U/r0.
+
+    Dictionaries are keyed by the azimuthal number m; arrays have one entry for each of the wave
+    numbers j = 0 ... N/2. `spectral_abscissa` is the largest growth rate of a mode that is not
+    neutral by symmetry; `error_estimate` how much two more degrees of the discretisation change
+    it. `numerical_abscissas` holds the numerical abscissa in every norm offered.
+    """
+
+    base: Base
+    azimuthal_numbers: tuple[int, ...]
+    wave_numbers: Int[np.ndarray, " wave"]
+    blocks: dict[int, Complex[np.ndarray, "wave size size"]]
+    eigenvalues: dict[int, Complex[np.ndarray, "wave size"]]
+    right_vectors: dict[int, Complex[np.ndarray, "wave size size"]]
+    left_vectors: dict[int, Complex[np.ndarray, "wave size size"]]
+    modes: tuple[Mode, ...]
+    spectral_abscissa: float
+    numerical_abscissa: float
+    numerical_abscissas: dict[str, float]
+    error_estimate: float
+    transient: TransientMode
+    seconds: dict[str, float]
+
+    @property
+    def leading(self) -> Mode:
+        """The fastest growing mode that is not neutral."""
+        return next(mode for mode in self.modes if not mode.neutral)
+
+    def shape(self, mode: Mode, phase: float = 0.0) -> Float[np.ndarray, "cell 3 coefficient"]:
+        """A mode as a real disturbance of all N cells' coefficients.
+
+        Its largest cell has coefficients of unit norm; `phase` turns the complex mode in time.
+        """
+        vector = self.right_vectors[mode.azimuthal_number][mode.wave_number, :, mode.index]
+        return self._disturbance(mode.azimuthal_number, mode.wave_number, vector, phase)
+
+    def transient_shape(self, phase: float = 0.0) -> Float[np.ndarray, "cell 3 coefficient"]:
+        """The transient disturbance, as `shape` gives a mode."""
+        each = self.transient
+        return self._disturbance(each.azimuthal_number, each.wave_number, each.vector, phase)
+
+    def _disturbance(
+        self, m: int, wave: int, vector: Complex[np.ndarray, " size"], phase: float
+    ) -> Float[np.ndarray, "cell 3 coefficient"]:
+        cells = self.base.train.cells
+        degree = self.base.train.resolution.degree
+        # A common phase that makes the first cell's disturbance as real as it can be.
+        real = vector * np.exp(-0.5j * np.angle(np.sum(vector**2)))
+        turn = np.exp(1j * (2.0 * math.pi * wave * np.arange(cells) / cells + phase))
+        basis = azimuthal_basis(degree, m)
+        shapes = np.einsum("p,u,uik->pik", turn, real, basis).real
+        return shapes / np.linalg.norm(shapes, axis=(1, 2)).max()

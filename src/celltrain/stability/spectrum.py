@@ -1,0 +1,104 @@
+"""Eigenvalues of the linear dynamics, with the modes known to be neutral taken out exactly.
+
+What cannot grow or decay is known beforehand:
+
+* each cell's rotation about the axis, a right null vector r of A_0(q) for every q;
+* each cell's volume: its gradient n is a left null vector of A_0(q) for every q, and the matching
+  right vector is the change of the steady train with its volume;
+* the displacement t of the whole train along the tube, a right null vector of A_0(0).
+
+Left to the eigenvalue solver, volume and displacement form a Jordan block, whose double zero splits
+into +-sqrt(error): 2e-4 where the matrix itself is good to 1e-8. Instead, the dynamics is
+restricted to disturbances without volume (an invariant subspace, since n^H A = 0) modulo r and t
+(A r = A t = 0): with Q an orthonormal basis of the complement of (n, r, t), the other eigenvalues
+are those of Q^H A Q.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from jaxtyping import Complex, Float
+
+Vectors = Float[np.ndarray, "size count"]
+
+
+@dataclass(frozen=True)
+class NeutralSpace:
+    """Known null vectors of one block: orthonormal right ones, with their names, and the volume."""
+
+    right: Vectors
+    kinds: tuple[str, ...]
+    volume: Float[np.ndarray, " size"] | None
+
+    @property
+    def count(self) -> int:
+        """Number of neutral modes."""
+        return len(self.kinds) + (self.volume is not None)
+
+
+@dataclass(frozen=True)
+class BlockSpectrum:
+    """Eigenvalues of one block, by falling growth rate, and vectors with left^H right = 1.
+
+    `kinds` names the neutral ones ("rotation", "translation", "volume") and is "" for the others;
+    a neutral mode's eigenvalue is the Rayleigh quotient of its known vector. The left null vector
+    of the displacement and the right one of the volume are generalised ones.
+    """
+
+    eigenvalues: Complex[np.ndarray, " size"]
+    right: Complex[np.ndarray, "size size"]
+    left: Complex[np.ndarray, "size size"]
+    kinds: tuple[str, ...]
+
+
+def block_spectrum(block: Complex[np.ndarray, "size size"], neutral: NeutralSpace) -> BlockSpectrum:
+    """Spectrum of A_m(q) with the neutral modes set apart."""
+    volume = neutral.volume
+    known = [neutral.right] if volume is None else [neutral.right, volume[:, None]]
+    removed = np.concatenate(known, axis=1)
+    full = scipy.linalg.qr(removed)[0] if neutral.count else np.eye(len(block))
+    rest = full[:, neutral.count :]
+    inner = rest.T @ block @ rest
+    values, left, right = scipy.linalg.eig(inner, left=True, right=True)
+    # Back to all disturbances: a part along r and t on the right, along n on the left.
+    full_right = rest @ right + neutral.right @ (neutral.right.T @ block @ rest @ right / values)
+    full_left = rest @ left
+    if volume is not None:
+        along = (left.conj().T @ rest.T @ block @ volume) / values
+        full_left = full_left + np.outer(volume, along.conj())
+    kinds = [""] * len(values)
+    for kind, vector in zip(neutral.kinds, neutral.right.T, strict=True):
+        partner = vector - rest @ np.linalg.solve(inner.conj().T, rest.T @ block.conj().T @ vector)
+        values = np.append(values, vector @ block @ vector)
+        full_right = np.column_stack([full_right, vector])
+        full_left = np.column_stack([full_left, partner])
+        kinds.append(kind)
+    if volume is not None:
+        inflated = volume - rest @ np.linalg.solve(inner, rest.T @ block @ volume)
+        values = np.append(values, volume @ block @ volume)
+        full_right = np.column_stack([full_right, inflated])
+        full_left = np.column_stack([full_left, volume])
+        kinds.append("volume")
+    full_right = full_right / np.linalg.norm(full_right, axis=0)
+    overlap = np.sum(full_left.conj() * full_right, axis=0)
+    full_left = full_left / overlap.conj()
+    order = np.argsort(-values.real, kind="stable")
+    return BlockSpectrum(
+        values[order],
+        full_right[:, order].astype(complex),
+        full_left[:, order].astype(complex),
+        tuple(kinds[i] for i in order),
+    )
+
+
+def numerical_abscissa(
+    block: Complex[np.ndarray, "size size"], gram: Float[np.ndarray, "size size"]
+) -> tuple[float, Complex[np.ndarray, " size"]]:
+    """Largest initial growth rate of any disturbance, Eq. (15), and that disturbance.
+
+    eta = max d^H (G A + A^H G) d/(2 d^H G d), G the Gram matrix of the norm.
+    """
+    weighted = gram @ block
+    values, vectors = scipy.linalg.eigh(0.5 * (weighted + weighted.conj().T), gram)
+    return float(values[-1]), vectors[:, -1].astype(complex)

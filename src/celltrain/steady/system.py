@@ -1,0 +1,105 @@
+"""The equations of a steady train in the axisymmetric subspace, with their exact derivatives.
+
+Unknowns are the coefficients a of an axisymmetric shape without swirl, s = sum_i a_i b_i, less the
+one that moves the cell along the tube. Equations are v_i(s) = 0 for the same i: in the frame of the
+cell's mean point nothing moves. Volume is conserved exactly by v, so one equation is a consequence
+of the others, and the volume itself takes its place: steps solve the bordered system
+
+    [ 1/dt - J   n ] [ da ]   [ v       ]
+    [ n^T        0 ] [ p  ] = [ V0 - V  ],   n = dV/da.
+"""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from celltrain.parameters import Train
+from celltrain.train import TrainOperator, axisymmetric_basis, train_operator
+
+
+class State(eqx.Module):
+    """Velocity and derivatives at one shape."""
+
+    rates: Float[Array, " unknown"]
+    jacobian: Float[Array, "unknown unknown"]
+    cell_velocity: Float[Array, ""]
+    volume: Float[Array, ""]
+    volume_gradient: Float[Array, " unknown"]
+    residual: Float[Array, ""]
+
+
+class SteadySystem(eqx.Module):
+    """Steady equations of one cell in its period."""
+
+    operator: TrainOperator
+    basis: Float[Array, "unknown 3 coefficient"]
+    upward: Float[Array, "3 coefficient"]
+
+    def shape(self, unknowns: Float[Array, " unknown"]) -> Float[Array, "3 coefficient"]:
+        """Shape with the given unknowns and its mean point at z = 0."""
+        return jnp.einsum("u,uik->ik", unknowns, self.basis)
+
+    def unknowns(self, shape: Float[Array, "3 coefficient"]) -> Float[Array, " unknown"]:
+        """Unknowns of an axisymmetric shape."""
+        return jnp.einsum("uik,ik->u", self.basis, shape)
+
+    @eqx.filter_jit
+    def state(self, unknowns: Float[Array, " unknown"]) -> State:
+        """Rates and their derivatives, all directions at once."""
+
+        def rates(unknowns: Array) -> Array:
+            return self.operator.rates(self.shape(unknowns)[None])[0]
+
+        def tangent(direction: Array) -> tuple[Array, Array]:
+            return jax.jvp(rates, (unknowns,), (direction,))
+
+        velocity, slopes = jax.vmap(tangent, out_axes=(None, 0))(jnp.eye(unknowns.size))
+        membrane, shape = self.operator.membrane, self.shape(unknowns)
+        # A coefficient c of Y_00 is a displacement by c/sqrt(4 pi).
+        cell_velocity = jnp.sum(velocity * self.upward) / jnp.sqrt(4.0 * jnp.pi)
+        in_frame = velocity - jnp.sum(velocity * self.upward) * self.upward
+        on_grid = self.operator.target_grid.values @ in_frame.T
+        return State(
+            rates=self.unknowns(velocity),
+            jacobian=jnp.einsum("uik,vik->vu", slopes, self.basis),
+            cell_velocity=cell_velocity,
+            volume=membrane.volume(shape),
+            volume_gradient=self.unknowns(membrane.volume_gradient(shape)),
+            residual=jnp.max(jnp.linalg.norm(on_grid, axis=-1)),
+        )
+
+    @eqx.filter_jit
+    def truncation_error(self, unknowns: Float[Array, " unknown"]) -> Float[Array, ""]:
+        """Largest |u - U_c e_z| on the target grid before the cut at the shape's degree, in U."""
+        shapes = self.shape(unknowns)[None]
+        operator = self.operator
+        forces, targets = operator.forces(shapes), operator.targets(shapes)
+        velocity = operator.own_velocity(targets, shapes, forces)
+        velocity = velocity + operator.outer_velocity(targets, shapes, forces)
+        mean = jnp.sum(operator.project(velocity)[0] * self.upward) / jnp.sqrt(4.0 * jnp.pi)
+        return jnp.max(jnp.linalg.norm(velocity - mean * jnp.array([0.0, 0.0, 1.0]), axis=-1))
+
+
+def steady_system(train: Train) -> SteadySystem:
+    """The steady equations of a train."""
+    basis = axisymmetric_basis(train.resolution.degree)
+    return SteadySystem(
+        operator=train_operator(train, meridian=True),
+        basis=jnp.asarray(basis[1:]),
+        upward=jnp.asarray(basis[0]),
+    )
+
+
+def bordered_step(
+    state: State, target_volume: float, time_step: float
+) -> Float[np.ndarray, " unknown"]:
+    """Change of the unknowns by one step of implicit Euler; Newton's step if it is infinite."""
+    jacobian = np.asarray(state.jacobian)
+    size = len(jacobian)
+    matrix = np.zeros((size + 1, size + 1))
+    matrix[:size, :size] = np.eye(size) / time_step - jacobian
+    matrix[:size, size] = matrix[size, :size] = np.asarray(state.volume_gradient)
+    right = np.append(np.asarray(state.rates), target_volume - float(state.volume))
+    return np.linalg.solve(matrix, right)[:size]
