@@ -1,0 +1,113 @@
+"""The commands and their options, and what the exit status says.
+
+0: done; 2: bad input, with a message and nothing written; 3: the steady train did not converge,
+with its history, the last state saved; 130: interrupted.
+"""
+
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, CycloptsError, Parameter
+from rich.console import Console
+
+from celltrain.cli.compute import Request, run
+from celltrain.cli.options import CaseOptions, given_leaves, reader
+from celltrain.parameters import CaseError, merge_case, read_case
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+app = App(
+    name="celltrain",
+    help="Trains of red blood cells in narrow tubes: the steady train, and whether it is stable.",
+    version=lambda: f"celltrain {version('celltrain')}",
+    result_action="return_value",
+    suppress_keyboard_interrupt=False,
+)
+
+CaseFile = Annotated[Path | None, Parameter(help="TOML file of the case; options override it.")]
+Json = Annotated[bool, Parameter(help="Print one JSON object and nothing else.", negative=())]
+Quiet = Annotated[bool, Parameter(help="No progress on standard error.", negative=())]
+Output = Annotated[
+    Path | None,
+    Parameter(name=("--output", "-o"), help="netCDF file for the result; replaced if it exists."),
+]
+Plot = Annotated[Path | None, Parameter(help="Folder for pictures; made if it is not there.")]
+Start = Annotated[
+    Path | None,
+    Parameter(
+        help="netCDF file with a result to continue from; without a case file, its case is the"
+        " one that the options change."
+    ),
+]
+Numbers = Annotated[
+    list[int] | None,
+    Parameter(
+        consume_multiple=True,
+        negative=(),
+        converter=reader(int, "allowed: whole numbers from 0 to the degree"),
+        help="Azimuthal numbers m to compute, such as 0 1 2; all if not given.",
+    ),
+]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line (``sys.argv`` unless given) and return the exit status.
+
+    Bad input, a failure to converge and an interruption end in a message on standard error.
+    """
+    errors = Console(stderr=True)
+    try:
+        status = app(arguments, exit_on_error=False, print_error=False)
+    except (CaseError, CycloptsError) as error:
+        errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        errors.print("celltrain: interrupted; nothing was saved", markup=False)
+        return INTERRUPTED
+    return status or 0
+
+
+@app.command
+def stability(
+    case: CaseFile = None,
+    /,
+    *,
+    options: CaseOptions = None,
+    azimuthal_numbers: Numbers = None,
+    start: Start = None,
+    output: Output = None,
+    plot: Plot = None,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Compute the steady train and its linear stability: growth rates, modes, transient growth."""
+    request = Request(case, start, output, plot, json, quiet)
+    return run(request, given_leaves(options), stable=True, azimuthal_numbers=azimuthal_numbers)
+
+
+@app.command
+def base(
+    case: CaseFile = None,
+    /,
+    *,
+    options: CaseOptions = None,
+    start: Start = None,
+    output: Output = None,
+    plot: Plot = None,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Compute the steady train alone."""
+    return run(Request(case, start, output, plot, json, quiet), given_leaves(options), stable=False)
+
+
+@app.command(name="case")
+def case_(case: CaseFile = None, /, *, options: CaseOptions = None) -> int:
+    """Print the complete case as TOML, dimensionless: what a computation would use."""
+    train = merge_case(read_case(case) if case else {}, given_leaves(options))
+    sys.stdout.write(train.to_toml())
+    return 0

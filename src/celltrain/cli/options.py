@@ -1,0 +1,91 @@
+"""Command-line options of a case, generated from its parameters: one for each leaf."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import field as dataclass_field
+from dataclasses import fields, make_dataclass
+from typing import Annotated, Any, Literal, cast, get_origin
+
+from cyclopts import Group, Parameter, Token
+from pydantic.fields import FieldInfo
+
+from celltrain.parameters import Cell, Flow, Resolution, Scales, Train, Tube
+from celltrain.parameters.errors import allowed_range, allowed_values
+from celltrain.parameters.routing import LEAVES
+from celltrain.parameters.section import Section
+
+SECTIONS: dict[str, type[Section]] = {
+    "tube": Tube,
+    "cell": Cell,
+    "train": Train,
+    "flow": Flow,
+    "resolution": Resolution,
+}
+
+
+def _options() -> Iterator[tuple[str, str, FieldInfo]]:
+    """Every leaf as group, name and field."""
+    for section, names in LEAVES.items():
+        for name in names:
+            yield section.capitalize(), name, SECTIONS[section].model_fields[name]
+    for name, field in Scales.model_fields.items():
+        yield 'Scales (with units "SI")', name, field
+
+
+def _help(field: FieldInfo) -> str:
+    limits = allowed_range(field)
+    notes = [f"allowed: {limits}"] if limits else []
+    if field.default_factory is not None:
+        notes.append("default: follows from the degree")
+    elif not field.is_required():
+        default = field.default
+        notes.append(f"default: {f'{default:.5g}' if isinstance(default, float) else default}")
+    return f"{field.description} ({'; '.join(notes)})" if notes else str(field.description)
+
+
+def reader(kind: type, otherwise: str) -> Callable[[Any, Sequence[Token]], Any]:
+    """How an option with numbers is read: strictly, as an int is otherwise rounded."""
+
+    def read(hint: Any, tokens: Sequence[Token]) -> Any:
+        try:
+            values = [kind(token.value) for token in tokens]
+        except ValueError:
+            given = " ".join(token.value for token in tokens)
+            raise ValueError(f"{given} is not allowed; {otherwise}") from None
+        return values if get_origin(hint) is list else values[0]
+
+    return read
+
+
+def _option_class() -> type:
+    columns: list[tuple[str, Any, Any]] = []
+    orders: dict[str, Group] = {}
+    for title, name, info in _options():
+        group = orders.setdefault(title, Group(title, sort_key=len(orders) + 10))
+        # Values are checked by the parameters alone, which say what is allowed.
+        plain: Any = info.annotation if info.annotation in (int, float) else str
+        converter = None if plain is str else reader(plain, allowed_values(info))
+        parameter = Parameter(help=_help(info), group=group, converter=converter)
+        columns.append((name, Annotated[plain | None, parameter], dataclass_field(default=None)))
+    units = Parameter(
+        help='units of the case file and of these options: "dimensionless" (r0, U, mu) or "SI"',
+        group=Group("Units", sort_key=9),
+    )
+    kind = Literal["dimensionless", "SI"] | None
+    columns.append(("units", Annotated[kind, units], dataclass_field(default=None)))
+    options = make_dataclass("CaseOptions", columns, frozen=True, kw_only=True)
+    options.__module__ = __name__  # cyclopts only looks into classes of modules like this one
+    return options
+
+
+#: A frozen dataclass with one optional field for each leaf, for cyclopts to read options into;
+#: None when no option was given.
+CaseOptions: Any = Annotated[_option_class() | None, Parameter(name="*")]
+
+
+def given_leaves(options: object) -> dict[str, Any]:
+    """The leaves (and ``units``) that were given on the command line."""
+    if options is None:
+        return {}
+    names = (item.name for item in fields(cast(Any, options)))
+    values = {name: getattr(options, name) for name in names}
+    return {name: value for name, value in values.items() if value is not None}

@@ -1,0 +1,54 @@
+"""Where results go: checked before anything is computed, so that no result is lost."""
+
+import tempfile
+from pathlib import Path
+
+from celltrain.parameters import CaseError
+
+#: Where the last state of a failed computation goes when no output file was named.
+DEFAULT_LAST = Path("celltrain-last.nc")
+
+
+def check_output(path: Path) -> None:
+    """See to it that a result can be saved as ``path``; an existing file is left as it is.
+
+    Raises:
+        CaseError: if the path is no ordinary file or its folder is not there or not writable.
+    """
+    if path.exists() and not path.is_file():
+        raise CaseError(f"output = {str(path)!r} is not allowed: it exists and is no regular file")
+    folder = path.absolute().parent
+    if not folder.is_dir():
+        raise CaseError(f"output = {str(path)!r} cannot be written: {str(folder)!r} is no folder")
+    try:  # the permission bits alone do not tell (read-only file systems, access lists)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise CaseError(
+            f"output = {str(path)!r} cannot be written: {error.strerror}; allowed: a file in a"
+            " folder that is writable"
+        ) from None
+
+
+def check_folder(path: Path) -> None:
+    """Make the folder for pictures, and see to it that it can be written to.
+
+    Raises:
+        CaseError: if it cannot be created or not be written to.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        raise CaseError(
+            f"plot = {str(path)!r} cannot be used: {error.strerror}; allowed: a folder that is"
+            " writable or can be created"
+        ) from None
+
+
+def last_state_path(output: Path | None) -> Path:
+    """The file for the last state of a computation that failed; never the output file itself."""
+    if output is None:
+        return DEFAULT_LAST
+    return output.with_name(f"{output.stem}.last.nc")

@@ -1,0 +1,85 @@
+"""Progress on standard error: a bar for the linearisation, a running line for the base flow."""
+
+from types import TracebackType
+from typing import Protocol, Self
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+
+class _Iteration(Protocol):
+    """What is shown of an iteration of the steady train."""
+
+    @property
+    def method(self) -> str: ...
+    @property
+    def residual(self) -> float: ...
+    @property
+    def cell_velocity(self) -> float: ...
+
+
+class Reporter:
+    """Shows how a computation goes on; gives the callbacks that the computations take.
+
+    On a terminal it is a live display; otherwise a line for each iteration, and for each tenth
+    of the linearisation.
+    """
+
+    def __init__(self, console: Console, *, quiet: bool) -> None:
+        self._console = console
+        self._quiet = quiet
+        self._live = console.is_terminal
+        self._iterations = 0
+        self._tenths = 0
+        self._progress = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[note]}"),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+            disable=quiet or not self._live,
+        )
+        self._task = self._progress.add_task("starting", total=None, note="")
+
+    def __enter__(self) -> Self:
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._progress.stop()
+
+    def log(self, message: str) -> None:
+        """One line, unless quiet."""
+        if not self._quiet:
+            self._console.print(message, highlight=False, markup=False, soft_wrap=True)
+
+    def iteration(self, iteration: _Iteration) -> None:
+        """Take an iteration of the steady train."""
+        self._iterations += 1
+        note = f"residual {iteration.residual:.2e}  cell velocity {iteration.cell_velocity:.5f}"
+        title = f"steady train: {iteration.method} {self._iterations}"
+        if self._live:
+            self._progress.update(self._task, description=title, note=note)
+        else:
+            self.log(f"{title}  {note}")
+
+    def share(self, done: int, total: int) -> None:
+        """Take how much of the linearisation is done."""
+        if self._live:
+            self._progress.update(
+                self._task,
+                description="linear dynamics",
+                completed=done,
+                total=total,
+                note=f"{done}/{total}",
+            )
+        elif total and 10 * done // total > self._tenths:
+            self._tenths = 10 * done // total
+            self.log(f"linear dynamics: {done} of {total}")

@@ -1,0 +1,114 @@
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from celltrain.harmonics import real_harmonics
+from celltrain.parameters import Train
+from celltrain.stability import Mode, Stability, TransientMode
+from celltrain.steady import Base, Iteration
+from celltrain.train import azimuthal_basis
+
+
+def bullet(degree: int) -> np.ndarray:
+    """Coefficients [3, degree^2] of something like a bullet with a hollow rear."""
+    cosine, weight = np.polynomial.legendre.leggauss(3 * degree)
+    longitudes = 6 * degree
+    theta = np.repeat(np.arccos(cosine), longitudes)
+    phi = np.tile(2 * np.pi * np.arange(longitudes) / longitudes, cosine.size)
+    weights = np.repeat(weight, longitudes) * 2 * np.pi / longitudes
+    radius = 1.28 * np.sin(theta) * (1 - 0.12 * np.cos(theta))
+    x, y = radius * np.cos(phi), radius * np.sin(phi)
+    z = 0.4 * np.cos(theta) + 0.75 * np.cos(theta) ** 2 + 0.25 * np.cos(theta) ** 3 - 0.15
+    return np.stack([x, y, z]) * weights @ real_harmonics(degree, theta, phi)
+
+
+@pytest.fixture
+def make_base() -> Callable[..., Base]:
+    """Makes steady trains that nobody computed, of the given leaves of a case."""
+
+    def make(**leaves: object) -> Base:
+        train = Train(**{"diameter": 6, "packing": 0.2, "cells": 4, "degree": 6, **leaves})
+        history = (
+            Iteration("march", 0.31, 0.1 / 3, 1.5),
+            Iteration("newton", 1e-3 / 3, float("inf"), 1.77),
+        )
+        return Base(
+            train=train,
+            coefficients=bullet(train.resolution.degree),
+            cell_velocity=1.7720 / 3 * 3,
+            gap=0.1 + 0.2,
+            largest_radius=1.277,
+            effective_viscosity=1.0321,
+            residual=3e-8,
+            truncation_error=4e-4,
+            history=history,
+            origin="made up, to test what is done with it",
+            seconds={"compile": 1.25, "base": 0.5},
+        )
+
+    return make
+
+
+@pytest.fixture
+def make_stability(make_base: Callable[..., Base]) -> Callable[..., Stability]:
+    """Makes linear dynamics that nobody computed; `growth` is that of the tilt m = 1, q = 0."""
+
+    def make(growth: float = 0.0117, error: float = 3e-5, **leaves: object) -> Stability:
+        base = make_base(**leaves)
+        waves = base.train.cells // 2 + 1
+        random = np.random.default_rng(7)
+        numbers = (0, 1, 2)
+        blocks, eigenvalues, right, left = {}, {}, {}, {}
+        modes = []
+        for m in numbers:
+            size = len(azimuthal_basis(base.train.resolution.degree, m))
+            shape = (waves, size, size)
+            blocks[m] = random.normal(size=shape) + 1j * random.normal(size=shape)
+            right[m] = np.exp(-np.arange(size))[:, None] * blocks[m]
+            left[m] = blocks[m].conj() / 3
+            rates = -(10.0 ** random.uniform(-2, 1, shape[:2]))
+            eigenvalues[m] = rates + 0.1j * np.abs(rates) * random.normal(size=shape[:2])
+            if m == 0:
+                # Signs of zeros must survive, too.
+                eigenvalues[m][:, :2] = complex(-0.0, -0.0)
+            if m == 1:
+                eigenvalues[m][0, 0] = growth
+            modes += [
+                Mode(
+                    growth_rate=float(value.real),
+                    frequency=float(abs(value.imag)),
+                    azimuthal_number=m,
+                    wave_number=wave,
+                    neutral=m == 0 and index < 2,
+                    multiplicity=(1 + (m > 0)) * (1 + (0 < 2 * wave < base.train.cells)),
+                    index=index,
+                    neutral_kind=("rotation", "volume")[index] if m == 0 and index < 2 else "",
+                )
+                for (wave, index), value in np.ndenumerate(eigenvalues[m])
+            ]
+        modes.sort(key=lambda mode: -mode.growth_rate)
+        return Stability(
+            base=base,
+            azimuthal_numbers=numbers,
+            wave_numbers=np.arange(waves),
+            blocks=blocks,
+            eigenvalues=eigenvalues,
+            right_vectors=right,
+            left_vectors=left,
+            modes=tuple(modes),
+            spectral_abscissa=max(mode.growth_rate for mode in modes if not mode.neutral),
+            numerical_abscissa=1.954,
+            numerical_abscissas={"paper": 1.954, "orthonormal": 1.741, "surface": 1.6},
+            error_estimate=error,
+            transient=TransientMode(1.954, 1, waves - 1, right[1][waves - 1, :, 0]),
+            seconds={
+                "compile": 1.25,
+                "base": 0.5,
+                "linearise": 2.0,
+                "spectrum": 0.125,
+                "total": 3.875,
+            },
+        )
+
+    return make
