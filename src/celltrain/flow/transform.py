@@ -26,6 +26,8 @@ from jaxtyping import Array, Float
 from celltrain.flow.ewald import EwaldSplit
 
 Points = Float[Array, "ring azimuth 3"]
+# One of several sets, each of which has its own number of rings and azimuths.
+PointSet = Float[Array, "_ _ 3"]
 
 
 class Transform(eqx.Module):
@@ -40,7 +42,7 @@ class Transform(eqx.Module):
         """Transform of strengths [component, ring, azimuth] to modes [component, *mode]."""
 
     @abc.abstractmethod
-    def _synthesise(self, points: Sequence[Points], modes: Array) -> tuple[Array, ...]:
+    def _synthesise(self, points: Sequence[PointSet], modes: Array) -> tuple[Array, ...]:
         """Sums [component, ring, azimuth] of modes [component, *mode] for each set of points."""
 
     def analyse(self, points: Points, strengths: Float[Array, "ring azimuth 3"]) -> Array:
@@ -67,12 +69,12 @@ class Transform(eqx.Module):
 
         return transform(points, strengths)
 
-    def synthesise(self, points: Sequence[Points], modes: Array) -> tuple[Array, ...]:
+    def synthesise(self, points: Sequence[PointSet], modes: Array) -> tuple[Array, ...]:
         """Complex velocities [ring, azimuth, 3] at each set of points, differentiable in both."""
         wave_vectors = self.wave_vectors()
 
         @jax.custom_jvp
-        def transform(points: tuple[Points, ...], modes: Array) -> tuple[Array, ...]:
+        def transform(points: tuple[PointSet, ...], modes: Array) -> tuple[Array, ...]:
             return tuple(jnp.moveaxis(u, 0, -1) for u in self._synthesise(points, modes))
 
         @transform.defjvp
@@ -125,7 +127,7 @@ class RingTransform(Transform):
         by_ring = by_ring[..., :count] - 1j * by_ring[..., count:]
         return jnp.einsum("rz,rck->czk", jnp.conj(axial), by_ring)
 
-    def _synthesise(self, points: Sequence[Points], modes: Array) -> tuple[Array, ...]:
+    def _synthesise(self, points: Sequence[PointSet], modes: Array) -> tuple[Array, ...]:
         sums = []
         for each in points:
             across, axial = self._phases(each)
@@ -157,7 +159,7 @@ class NonuniformTransform(Transform):
             numbers[2][None, None, :] / self.period,
         )
 
-    def _angles(self, points: Sequence[Points]) -> tuple[Array, Array, Array]:
+    def _angles(self, points: Sequence[PointSet]) -> tuple[Array, Array, Array]:
         loose = jnp.concatenate([each.reshape(-1, 3) for each in points])
         turn = loose[:, 2] / self.period
         scale = 2.0 * math.pi / self.width
@@ -167,7 +169,7 @@ class NonuniformTransform(Transform):
         flat = strengths.reshape(strengths.shape[0], -1).astype(complex)
         return nufft1(self.shape, flat, *self._angles([points]), eps=self.tolerance, iflag=-1)
 
-    def _synthesise(self, points: Sequence[Points], modes: Array) -> tuple[Array, ...]:
+    def _synthesise(self, points: Sequence[PointSet], modes: Array) -> tuple[Array, ...]:
         loose = nufft2(modes, *self._angles(points), eps=self.tolerance, iflag=1)
         sizes = [each.shape[0] * each.shape[1] for each in points]
         parts = jnp.split(loose, np.cumsum(sizes)[:-1], axis=1)

@@ -65,8 +65,8 @@ class PeriodicTube(eqx.Module):
         self,
         targets: Float[Array, "group ring azimuth 3"],
         owners: Int[Array, " group"],
-        sources: Float[Array, "cell ring azimuth 3"],
-        strengths: Float[Array, "cell ring azimuth 3"],
+        sources: Float[Array, "cell source_ring source_azimuth 3"],
+        strengths: Float[Array, "cell source_ring source_azimuth 3"],
     ) -> Float[Array, "group ring azimuth 3"] | Complex[Array, "group ring azimuth 3"]:
         """Velocity at points in the fluid or on cells, in U.
 

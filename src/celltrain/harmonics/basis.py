@@ -132,7 +132,7 @@ def shift_longitude(
     """Coefficients of x(theta, phi + angle), for each angle."""
     count = coefficients.shape[-1]
     n, order = degrees_and_orders(math.isqrt(count))
-    partner = np.array([coefficient_index(a, -b) for a, b in zip(n, order, strict=True)])
+    partner = n * n + n - order
     # cos(m (phi + a)) = cos(m a) cos(m phi) - sin(m a) sin(m phi), and the like for the sine.
     turn = angles.reshape((-1,) + (1,) * coefficients.ndim) * jnp.asarray(order)
     return jnp.cos(turn) * coefficients + jnp.sin(turn) * coefficients[..., partner]

@@ -83,19 +83,19 @@ class Resolution(Section):
         description="order of the grid that carries the forces",
     )
     target_order: Whole = Field(
-        default_factory=lambda given: given["degree"] + 4,
+        default_factory=lambda given: given["degree"] + 2,
         ge=6,
         le=400,
         description="order of the grid on which the velocity is evaluated",
     )
     polar_radial: Whole = Field(
-        default_factory=lambda given: 2 * given["degree"],
+        default_factory=lambda given: -(-7 * given["degree"] // 3),
         ge=4,
         le=400,
         description="radial nodes of the polar rule around a target",
     )
     polar_azimuthal: Whole = Field(
-        default_factory=lambda given: 3 * given["degree"] + given["degree"] % 2,
+        default_factory=lambda given: 2 * -(-7 * given["degree"] // 4),
         ge=4,
         le=600,
         multiple_of=2,

@@ -51,6 +51,6 @@ class Camera:
     ) -> tuple[Float[np.ndarray, "*any 2"], Float[np.ndarray, "*any"]]:
         """Picture coordinates (r0 at the target's depth) and depth (larger is nearer)."""
         relative = points - self.target
-        depth = relative @ self.backward
+        depth = np.asarray(relative @ self.backward)
         flat = np.stack([relative @ self.right, relative @ self.up], axis=-1)
         return flat * (self.distance / (self.distance - depth))[..., None], depth

@@ -104,7 +104,7 @@ def _scatter(
     neutral: Bool[np.ndarray, "mode"],
 ) -> None:
     """The modes and their conjugates; small azimuthal numbers over large ones."""
-    for m in np.unique(number)[::-1]:
+    for m in np.unique(number)[::-1].tolist():
         for hollow in (False, True):
             chosen = (number == m) & (neutral == hollow)
             if not chosen.any():

@@ -1,6 +1,12 @@
 """Linear stability of steady trains."""
 
 from celltrain.stability.analysis import neutral_space, stability
+from celltrain.stability.full_matrix import (
+    Derivative,
+    ExactDerivative,
+    FiniteDifference,
+    full_matrix,
+)
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.norms import NORMS, Norm, OrthonormalNorm, PaperNorm, SurfaceNorm
 from celltrain.stability.result import Mode, Stability, TransientMode
@@ -8,6 +14,9 @@ from celltrain.stability.spectrum import block_spectrum, numerical_abscissa
 
 __all__ = [
     "NORMS",
+    "Derivative",
+    "ExactDerivative",
+    "FiniteDifference",
     "Mode",
     "Norm",
     "OrthonormalNorm",
@@ -16,6 +25,7 @@ __all__ = [
     "SurfaceNorm",
     "TransientMode",
     "block_spectrum",
+    "full_matrix",
     "linear_blocks",
     "neutral_space",
     "numerical_abscissa",

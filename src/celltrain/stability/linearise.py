@@ -69,17 +69,17 @@ def _mirror_parity(degree: int, m: int) -> Int[np.ndarray, " member"]:
 @eqx.filter_jit
 def _fixed_part(
     operator: TrainOperator, shape: Float[Array, "3 coefficient"], directions: Directions
-) -> tuple[Directions, Directions]:
-    """The part of dv that does not depend on q, and the derivative of the force."""
+) -> tuple[Directions, Directions, Directions]:
+    """What does not depend on q: own and carried change of the rates, change of the force, and the
+    change of the rates' volume-conserving part at fixed rates.
+    """
     shapes = shape[None]
-
-    def local(shapes: Array) -> tuple[Array, Array]:
-        forces = operator.forces(shapes)
-        own = operator.own_velocity(operator.targets(shapes), shapes, forces)
-        return operator.project(own), forces
-
     forces = operator.forces(shapes)
     targets = operator.targets(shapes)
+
+    def own(shapes: Array) -> tuple[Array, Array]:
+        forces = operator.forces(shapes)
+        return operator.own_velocity(operator.targets(shapes), shapes, forces), forces
 
     def outer(targets: Array) -> Array:
         return operator.outer_velocity(targets, shapes, forces)
@@ -87,12 +87,14 @@ def _fixed_part(
     # Derivatives along x, y, z at every target at once: du = sum_k dx_k (du/dx_k).
     along = [jnp.zeros_like(targets).at[..., k].set(1.0) for k in range(3)]
     gradient = jnp.stack([jax.jvp(outer, (targets,), (step,))[1] for step in along])
+    rates = operator.project(own(shapes)[0] + outer(targets))
 
-    def change(direction: Array) -> tuple[Array, Array]:
-        moved, force = jax.jvp(local, (shapes,), (direction[None],))[1]
-        step = operator.targets(direction[None])
-        carried = operator.project(jnp.einsum("crak,kcrai->crai", step, gradient))
-        return (moved + carried)[0], force[0]
+    def change(direction: Array) -> tuple[Array, Array, Array]:
+        step = (direction[None],)
+        velocity, force = jax.jvp(own, (shapes,), step)[1]
+        carried = jnp.einsum("crak,kcrai->crai", operator.targets(step[0]), gradient)
+        turned = jax.jvp(lambda s: operator.conserve_volume(s, rates), (shapes,), step)[1]
+        return operator.project(velocity + carried)[0], force[0], turned[0]
 
     return jax.lax.map(change, directions, batch_size=BATCH)
 
@@ -122,11 +124,7 @@ def _wave_part(
 def _conserve(
     operator: TrainOperator, shape: Float[Array, "3 coefficient"], changes: Array
 ) -> Array:
-    """Changes of the rates without their component along the volume's gradient n.
-
-    The gradient's own change does not count: a steady train's rates are U_c e_z, and
-    n . e_z = 0 whatever the shape.
-    """
+    """Changes of the rates without their component along the volume's gradient."""
 
     def one(change: Array) -> Array:
         return operator.conserve_volume(shape[None], change[None])[0]
@@ -167,14 +165,14 @@ def linear_blocks(
     base, steps = jnp.asarray(shape), jnp.asarray(directions)
     seconds = {} if seconds is None else seconds
     with timed(seconds, "linearise"):
-        fixed, force_changes = jax.block_until_ready(
+        fixed, force_changes, turned = jax.block_until_ready(
             _fixed_part(train_operator(train), base, steps)
         )
     for wave, q in enumerate(wave_numbers):
         with timed(seconds, "linearise"):
             operator = train_operator(train, wave_number=float(q))
             changes = _wave_part(operator, base, steps, force_changes)
-            answers = np.asarray(_conserve(operator, base, fixed + changes))
+            answers = np.asarray(_conserve(operator, base, fixed + changes) + turned)
         for answer, members in zip(answers, contents, strict=True):
             for m, column in members:
                 parity = _mirror_parity(degree, m)

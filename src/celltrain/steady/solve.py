@@ -8,7 +8,6 @@ little, until Newton's method takes over (Kelley & Keyes 1998).
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal
 
 import jax.numpy as jnp
 import numpy as np
@@ -25,7 +24,10 @@ FIRST_STEP = 0.3
 # Largest displacement (r0) of a membrane point in one step of the march.
 LARGEST_MOVE = 0.4
 SMALLEST_STEP = 1e-4
-# Newton's method takes over when the residual is below this, and gives up its turn when it rises.
+# Largest factor by which one step of the march may raise the residual.
+LARGEST_RISE = 3.0
+# Newton's method takes over when the residual is below this; a step that raises it is given back,
+# and the march goes on to a tenth of it.
 NEWTON_RESIDUAL = 2e-2
 
 Progress = Callable[[Iteration], None]
@@ -80,62 +82,54 @@ def _find(
     unknowns = np.array(system.unknowns(jnp.asarray(guess)))
     state = system.state(jnp.asarray(unknowns))
     history: list[Iteration] = []
-    # A nearby solution needs no march: full steps, unless they turn out to be too long.
-    time_step = FIRST_STEP if start is None else math.inf
+    time_step = FIRST_STEP
+    # A nearby solution needs no march, unless Newton's method turns out to fail.
+    newton_below = NEWTON_RESIDUAL if start is None else math.inf
     converged = False
-    while len(history) < max_iterations:
+    while len(history) < max_iterations and time_step >= SMALLEST_STEP:
         residual = float(state.residual)
         volume_error = abs(float(state.volume) - target_volume)
         converged = residual < tolerance and volume_error < tolerance
         if converged or not math.isfinite(residual):
             break
-        if residual < NEWTON_RESIDUAL:
-            time_step = math.inf
-        unknowns, state, time_step, step = _advance(
-            system, unknowns, state, target_volume, time_step
+        newton = residual < newton_below
+        step = math.inf if newton else time_step
+        change = bordered_step(state, target_volume, step)
+        moved = _largest_move(system, change)
+        following = state
+        accepted = moved < LARGEST_MOVE
+        if accepted:
+            following = system.state(jnp.asarray(unknowns + change))
+            # The march may pass through larger residuals; Newton's method may not, unless it
+            # only corrects the volume.
+            rise = 1.0 if newton and residual > 1e-6 else LARGEST_RISE
+            accepted = float(following.residual) < rise * residual
+        if not accepted:
+            if newton:
+                newton_below = 0.1 * residual
+            else:
+                time_step *= 0.5
+            continue
+        history.append(
+            Iteration("newton" if newton else "march", residual, step, float(state.cell_velocity))
         )
-        history.append(step)
+        unknowns, state = unknowns + change, following
+        if not newton and moved < 0.5 * LARGEST_MOVE:
+            time_step *= 2.0
         if progress is not None:
-            progress(step)
-        if step.step < SMALLEST_STEP:
-            break
+            progress(history[-1])
     origin = "march from the resting shape"
     if start is not None:
         origin = f"continuation from {describe_change(start.train, train)}"
     return _describe(system, train, unknowns, state, tuple(history), origin), converged
 
 
-def _advance(
-    system: SteadySystem,
-    unknowns: Float[np.ndarray, " unknown"],
-    state: State,
-    target_volume: float,
-    time_step: float,
-) -> tuple[Float[np.ndarray, " unknown"], State, float, Iteration]:
-    """One accepted step, shortened until the shape moves little enough and the residual holds."""
-    residual = float(state.residual)
-    while True:
-        change = bordered_step(state, target_volume, time_step)
-        on_grid = np.asarray(
-            system.operator.target_grid.values @ system.shape(jnp.asarray(change)).T
-        )
-        moved = float(np.linalg.norm(on_grid, axis=-1).max())
-        if math.isfinite(moved) and moved < LARGEST_MOVE:
-            candidate = unknowns + change
-            following = system.state(jnp.asarray(candidate))
-            growth = float(following.residual) / residual
-            # The march may pass through larger residuals; Newton's method may not.
-            if growth < (1.0 if math.isinf(time_step) else 3.0) or residual < 1e-6:
-                break
-        if time_step < SMALLEST_STEP:
-            candidate, following, moved = unknowns, state, 0.0
-            break
-        time_step = 1.0 if math.isinf(time_step) else 0.5 * time_step
-    method: Literal["march", "newton"] = "newton" if math.isinf(time_step) else "march"
-    step = Iteration(method, residual, time_step, float(state.cell_velocity))
-    if moved < 0.5 * LARGEST_MOVE:
-        time_step *= 2.0
-    return candidate, following, time_step, step
+def _largest_move(system: SteadySystem, change: Float[np.ndarray, " unknown"]) -> float:
+    """Largest displacement of a membrane point by a change of the unknowns, in r0."""
+    values = np.asarray(system.operator.target_grid.values)
+    shape = np.einsum("u,uik->ik", change, np.asarray(system.basis))
+    moved = float(np.linalg.norm(values @ shape.T, axis=-1).max())
+    return moved if math.isfinite(moved) else math.inf
 
 
 def _describe(
