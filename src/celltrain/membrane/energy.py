@@ -97,6 +97,6 @@ def make_membrane(
         tables=tables,
         weights=grid.weights,
         inverse_sine=jnp.asarray(1.0 / np.sin(theta)),
-        reference=surface_geometry(tables, jnp.asarray(reference_shape)),
+        reference=eqx.filter_jit(surface_geometry)(tables, jnp.asarray(reference_shape)),
         reference_shape=jnp.asarray(reference_shape),
     )

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Sequence
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -19,7 +18,7 @@ from celltrain.stability.spectrum import (
     numerical_abscissa,
 )
 from celltrain.steady import Base, NotConverged, steady
-from celltrain.train import azimuthal_basis, train_membrane
+from celltrain.train import azimuthal_basis, volume_gradient
 
 # How many degrees more the estimate of the resolution's error takes.
 MORE_DEGREES = 2
@@ -38,8 +37,7 @@ def neutral_space(base: Base, m: int, wave: int) -> NeutralSpace:
     if wave == 0:
         right.append(np.eye(len(basis))[0])
         kinds.append("translation")
-    gradient = np.asarray(train_membrane(base.train).volume_gradient(jnp.asarray(shape)))
-    volume = _unit(np.einsum("uik,ik->u", basis, gradient))
+    volume = _unit(np.einsum("uik,ik->u", basis, volume_gradient(shape)))
     return NeutralSpace(np.stack(right, axis=1), tuple(kinds), volume)
 
 
@@ -154,9 +152,8 @@ def _transient(base: Base, blocks: Blocks) -> tuple[dict[str, float], TransientM
     optimal: TransientMode | None = None
     for norm in NORMS:
         candidates = []
-        for m, each in blocks.items():
-            gram = norm.gram(base.coefficients, m)
-            for wave, block in enumerate(each):
+        for m, gram in norm.grams(base.coefficients, tuple(blocks)).items():
+            for wave, block in enumerate(blocks[m]):
                 rate, vector = numerical_abscissa(block, gram)
                 candidates.append(TransientMode(rate, m, wave, vector))
         best = max(candidates, key=lambda each: each.growth_rate)

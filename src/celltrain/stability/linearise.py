@@ -85,9 +85,11 @@ def _fixed_part(
         return operator.outer_velocity(targets, shapes, forces)
 
     # Derivatives along x, y, z at every target at once: du = sum_k dx_k (du/dx_k).
-    along = [jnp.zeros_like(targets).at[..., k].set(1.0) for k in range(3)]
-    gradient = jnp.stack([jax.jvp(outer, (targets,), (step,))[1] for step in along])
-    rates = operator.project(own(shapes)[0] + outer(targets))
+    along = jnp.broadcast_to(jnp.eye(3)[:, None, None, None], (3, *targets.shape))
+    velocity, gradient = jax.vmap(
+        lambda step: jax.jvp(outer, (targets,), (step,)), out_axes=(None, 0)
+    )(along)
+    rates = operator.project(own(shapes)[0] + velocity)
 
     def change(direction: Array) -> tuple[Array, Array, Array]:
         step = (direction[None],)

@@ -1,19 +1,21 @@
 """Norms of a shape disturbance, on which the numerical abscissa depends.
 
-A norm is a Gram matrix on the disturbances of one azimuthal number, |d|^2 = d^H G d. A choice is an
-object, so a new norm is one small class.
+A norm is a Gram matrix on the disturbances of each azimuthal number, |d|^2 = d^H G d. A choice is
+an object, so a new norm is one small class.
 """
 
 import abc
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import degrees_and_orders, harmonic_tables, sphere_grid
-from celltrain.train import azimuthal_basis
+from celltrain.harmonics import degrees_and_orders
+from celltrain.train import area_vectors, azimuthal_basis
 
 Shape = Float[np.ndarray, "3 coefficient"]
+Grams = dict[int, Float[np.ndarray, "size size"]]
 
 
 class Norm(abc.ABC):
@@ -22,8 +24,11 @@ class Norm(abc.ABC):
     name: str
 
     @abc.abstractmethod
-    def gram(self, shape: Shape, m: int) -> Float[np.ndarray, "size size"]:
-        """Gram matrix in `azimuthal_basis(degree, m)`; `shape` is one cell of the steady train."""
+    def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
+        """Gram matrix in `azimuthal_basis(degree, m)` for each m.
+
+        `shape` is one cell of the steady train.
+        """
 
 
 @dataclass(frozen=True)
@@ -32,10 +37,10 @@ class OrthonormalNorm(Norm):
 
     name: str = "orthonormal"
 
-    def gram(self, shape: Shape, m: int) -> Float[np.ndarray, "size size"]:
-        """Gram matrix of this norm."""
+    def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
+        """Unit matrices."""
         degree = int(np.sqrt(shape.shape[-1]))
-        return np.eye(len(azimuthal_basis(degree, m)))
+        return {m: np.eye(len(azimuthal_basis(degree, m))) for m in azimuthal_numbers}
 
 
 @dataclass(frozen=True)
@@ -49,13 +54,16 @@ class PaperNorm(Norm):
 
     name: str = "paper"
 
-    def gram(self, shape: Shape, m: int) -> Float[np.ndarray, "size size"]:
-        """Gram matrix of this norm."""
+    def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
+        """Diagonal matrices."""
         degree = int(np.sqrt(shape.shape[-1]))
         _, order = degrees_and_orders(degree)
         weight = np.where(order == 0, 0.5, 1.0) / np.pi
-        basis = azimuthal_basis(degree, m)
-        return np.einsum("uik,k,vik->uv", basis, weight, basis)
+        grams = {}
+        for m in azimuthal_numbers:
+            basis = azimuthal_basis(degree, m)
+            grams[m] = np.tensordot(basis * weight, basis, axes=((1, 2), (1, 2)))
+        return grams
 
 
 @dataclass(frozen=True)
@@ -64,16 +72,17 @@ class SurfaceNorm(Norm):
 
     name: str = "surface"
 
-    def gram(self, shape: Shape, m: int) -> Float[np.ndarray, "size size"]:
-        """Gram matrix of this norm."""
+    def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
+        """Dense matrices."""
         degree = int(np.sqrt(shape.shape[-1]))
-        grid = sphere_grid(degree, 2 * degree)
-        theta, phi = grid.points()
-        tables = harmonic_tables(degree, theta, phi)
-        cross = np.cross(np.asarray(tables.d_theta) @ shape.T, np.asarray(tables.d_phi) @ shape.T)
-        area = np.linalg.norm(cross, axis=-1) / np.sin(theta) * np.asarray(grid.weights)
-        displaced = np.einsum("uik,pk->upi", azimuthal_basis(degree, m), np.asarray(grid.values))
-        return np.einsum("upi,p,vpi->uv", displaced, area / area.sum(), displaced)
+        vectors, weights, values = area_vectors(shape)
+        area = np.linalg.norm(vectors, axis=-1) * weights
+        metric = (values * (area / area.sum())[:, None]).T @ values
+        grams = {}
+        for m in azimuthal_numbers:
+            basis = azimuthal_basis(degree, m)
+            grams[m] = np.tensordot(basis @ metric, basis, axes=((1, 2), (1, 2)))
+        return grams
 
 
 NORMS: tuple[Norm, ...] = (PaperNorm(), OrthonormalNorm(), SurfaceNorm())

@@ -141,16 +141,15 @@ def _describe(
     origin: str,
 ) -> Base:
     shape = np.asarray(system.shape(jnp.asarray(unknowns)))
-    viscosity = system.operator.effective_viscosity(jnp.asarray(shape)[None])
     return Base(
         train=train,
         coefficients=shape,
         cell_velocity=float(state.cell_velocity),
         gap=streamwise_gap(shape, train.period),
         largest_radius=largest_radius(shape),
-        effective_viscosity=float(viscosity),
+        effective_viscosity=float(state.effective_viscosity),
         residual=float(state.residual),
-        truncation_error=float(system.truncation_error(jnp.asarray(unknowns))),
+        truncation_error=float(state.truncation_error),
         history=history,
         origin=origin,
         seconds={},

@@ -20,7 +20,7 @@ from celltrain.train import TrainOperator, axisymmetric_basis, train_operator
 
 
 class State(eqx.Module):
-    """Velocity and derivatives at one shape."""
+    """Velocity, derivatives and what is reported, at one shape."""
 
     rates: Float[Array, " unknown"]
     jacobian: Float[Array, "unknown unknown"]
@@ -28,6 +28,8 @@ class State(eqx.Module):
     volume: Float[Array, ""]
     volume_gradient: Float[Array, " unknown"]
     residual: Float[Array, ""]
+    truncation_error: Float[Array, ""]
+    effective_viscosity: Float[Array, ""]
 
 
 class SteadySystem(eqx.Module):
@@ -48,38 +50,38 @@ class SteadySystem(eqx.Module):
     @eqx.filter_jit
     def state(self, unknowns: Float[Array, " unknown"]) -> State:
         """Rates and their derivatives, all directions at once."""
+        operator = self.operator
 
-        def rates(unknowns: Array) -> Array:
-            return self.operator.rates(self.shape(unknowns)[None])[0]
+        def rates(unknowns: Array) -> tuple[Array, tuple[Array, Array]]:
+            shapes = self.shape(unknowns)[None]
+            forces = operator.forces(shapes)
+            velocity = operator.surface_velocity(shapes, forces)
+            viscosity = operator.effective_viscosity(shapes, forces)
+            moved = operator.conserve_volume(shapes, operator.project(velocity))
+            return moved[0], (velocity, viscosity)
 
-        def tangent(direction: Array) -> tuple[Array, Array]:
-            return jax.jvp(rates, (unknowns,), (direction,))
+        def tangent(direction: Array) -> tuple[Array, Array, tuple[Array, Array]]:
+            return jax.jvp(rates, (unknowns,), (direction,), has_aux=True)
 
-        velocity, slopes = jax.vmap(tangent, out_axes=(None, 0))(jnp.eye(unknowns.size))
-        membrane, shape = self.operator.membrane, self.shape(unknowns)
+        change, slopes, (velocity, viscosity) = jax.vmap(tangent, out_axes=(None, 0, None))(
+            jnp.eye(unknowns.size)
+        )
+        shape = self.shape(unknowns)
         # A coefficient c of Y_00 is a displacement by c/sqrt(4 pi).
-        cell_velocity = jnp.sum(velocity * self.upward) / jnp.sqrt(4.0 * jnp.pi)
-        in_frame = velocity - jnp.sum(velocity * self.upward) * self.upward
-        on_grid = self.operator.target_grid.values @ in_frame.T
+        upward = jnp.sum(change * self.upward)
+        cell_velocity = upward / jnp.sqrt(4.0 * jnp.pi)
+        on_grid = operator.target_grid.values @ (change - upward * self.upward).T
+        uncut = velocity - cell_velocity * jnp.array([0.0, 0.0, 1.0])
         return State(
-            rates=self.unknowns(velocity),
+            rates=self.unknowns(change),
             jacobian=jnp.einsum("uik,vik->vu", slopes, self.basis),
             cell_velocity=cell_velocity,
-            volume=membrane.volume(shape),
-            volume_gradient=self.unknowns(membrane.volume_gradient(shape)),
+            volume=operator.membrane.volume(shape),
+            volume_gradient=self.unknowns(operator.membrane.volume_gradient(shape)),
             residual=jnp.max(jnp.linalg.norm(on_grid, axis=-1)),
+            truncation_error=jnp.max(jnp.linalg.norm(uncut, axis=-1)),
+            effective_viscosity=viscosity,
         )
-
-    @eqx.filter_jit
-    def truncation_error(self, unknowns: Float[Array, " unknown"]) -> Float[Array, ""]:
-        """Largest |u - U_c e_z| on the target grid before the cut at the shape's degree, in U."""
-        shapes = self.shape(unknowns)[None]
-        operator = self.operator
-        forces, targets = operator.forces(shapes), operator.targets(shapes)
-        velocity = operator.own_velocity(targets, shapes, forces)
-        velocity = velocity + operator.outer_velocity(targets, shapes, forces)
-        mean = jnp.sum(operator.project(velocity)[0] * self.upward) / jnp.sqrt(4.0 * jnp.pi)
-        return jnp.max(jnp.linalg.norm(velocity - mean * jnp.array([0.0, 0.0, 1.0]), axis=-1))
 
 
 def steady_system(train: Train) -> SteadySystem:

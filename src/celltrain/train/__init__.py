@@ -1,7 +1,13 @@
 """A train of cells: from their shapes to the rates at which they change."""
 
 from celltrain.train.axisymmetry import axisymmetric_basis, azimuthal_basis, azimuthal_families
-from celltrain.train.geometry import largest_radius, meridian, streamwise_gap
+from celltrain.train.geometry import (
+    area_vectors,
+    largest_radius,
+    meridian,
+    streamwise_gap,
+    volume_gradient,
+)
 from celltrain.train.operator import (
     TrainOperator,
     place_cells,
@@ -12,6 +18,7 @@ from celltrain.train.operator import (
 
 __all__ = [
     "TrainOperator",
+    "area_vectors",
     "axisymmetric_basis",
     "azimuthal_basis",
     "azimuthal_families",
@@ -22,4 +29,5 @@ __all__ = [
     "streamwise_gap",
     "train_membrane",
     "train_operator",
+    "volume_gradient",
 ]

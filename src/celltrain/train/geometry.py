@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import real_harmonics
+from celltrain.harmonics import harmonic_tables, real_harmonics, sphere_grid
 
 
 def meridian(
@@ -40,3 +40,31 @@ def streamwise_gap(shape: Float[np.ndarray, "3 coefficient"], period: float) -> 
         front[span], rear[span] = np.maximum(front[span], height), np.minimum(rear[span], height)
     known = np.isfinite(front)
     return float(np.min(period + rear[known] - front[known]))
+
+
+def area_vectors(
+    shape: Float[np.ndarray, "3 coefficient"],
+) -> tuple[
+    Float[np.ndarray, "point 3"],
+    Float[np.ndarray, " point"],
+    Float[np.ndarray, "point coefficient"],
+]:
+    """Outward n dS/dOmega on a grid, with the grid's weights and harmonics.
+
+    The components are polynomials of degree 2 M - 2 on the sphere, so the grid of order 2 M
+    integrates them against any harmonic of the shape exactly.
+    """
+    degree = int(np.sqrt(shape.shape[-1]))
+    grid = sphere_grid(degree, 2 * degree)
+    theta, phi = grid.points()
+    tables = harmonic_tables(degree, theta, phi)
+    cross = np.cross(np.asarray(tables.d_theta) @ shape.T, np.asarray(tables.d_phi) @ shape.T)
+    return cross / np.sin(theta)[:, None], np.asarray(grid.weights), np.asarray(grid.values)
+
+
+def volume_gradient(
+    shape: Float[np.ndarray, "3 coefficient"],
+) -> Float[np.ndarray, "3 coefficient"]:
+    """dV/ds: the coefficients of n dS/dOmega, in r0^2."""
+    vectors, weights, values = area_vectors(shape)
+    return (vectors * weights[:, None]).T @ values

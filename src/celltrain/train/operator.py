@@ -40,11 +40,16 @@ class TrainOperator(eqx.Module):
 
     def rates(self, shapes: Shapes) -> Shapes:
         """v(s) = ds/dt, in U."""
-        forces = self.forces(shapes)
-        targets = self.targets(shapes)
-        velocity = self.own_velocity(targets, shapes, forces)
-        velocity = velocity + self.outer_velocity(targets, shapes, forces)
+        velocity = self.surface_velocity(shapes, self.forces(shapes))
         return self.conserve_volume(shapes, self.project(velocity))
+
+    def surface_velocity(
+        self, shapes: Shapes, forces: Shapes
+    ) -> Float[Array, "cell ring azimuth 3"]:
+        """Velocity at the points of the target grid, in U."""
+        targets = self.targets(shapes)
+        own = self.own_velocity(targets, shapes, forces)
+        return own + self.outer_velocity(targets, shapes, forces)
 
     def forces(self, shapes: Shapes) -> Shapes:
         """Force of the membranes on the fluid per solid angle, in mu U r0."""
@@ -119,9 +124,9 @@ class TrainOperator(eqx.Module):
         along = jnp.sum(gradient * rates, axis=(1, 2)) / jnp.sum(gradient**2, axis=(1, 2))
         return rates - along[:, None, None] * gradient
 
-    def effective_viscosity(self, shapes: Shapes) -> Float[Array, ""]:
+    def effective_viscosity(self, shapes: Shapes, forces: Shapes) -> Float[Array, ""]:
         """Pressure drop relative to that of plasma alone at the same flow rate."""
-        return 1.0 - self.tube.extra_flux(*self.sources(shapes, self.forces(shapes)))
+        return 1.0 - self.tube.extra_flux(*self.sources(shapes, forces))
 
 
 def train_membrane(train: Train) -> Membrane:
