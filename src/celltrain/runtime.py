@@ -6,6 +6,8 @@
   folder is `$JAX_COMPILATION_CACHE_DIR` if that is set, `$XDG_CACHE_HOME/celltrain` or
   `~/.cache/celltrain` otherwise.
 * The level of XLA's own messages.
+* The number of threads of the nonuniform Fourier transforms: one, because at the sizes of a train
+  more of them cost more than they bring; `$CELLTRAIN_NUFFT_THREADS` sets another.
 * A clock that tells compilation from running (`timed`).
 """
 
@@ -20,6 +22,7 @@ from pathlib import Path
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 
 import jax
+from jax_finufft.options import Opts
 
 
 def _configure() -> None:
@@ -31,6 +34,8 @@ def _configure() -> None:
 
 
 _configure()
+
+NUFFT_OPTIONS = Opts(nthreads=int(os.environ.get("CELLTRAIN_NUFFT_THREADS", "1")))
 
 
 class _CompileClock:

@@ -24,6 +24,7 @@ from jax_finufft import nufft1, nufft2
 from jaxtyping import Array, Float
 
 from celltrain.flow.ewald import EwaldSplit
+from celltrain.runtime import NUFFT_OPTIONS
 
 Points = Float[Array, "ring azimuth 3"]
 # One of several sets, each of which has its own number of rings and azimuths.
@@ -70,7 +71,10 @@ class Transform(eqx.Module):
         return transform(points, strengths)
 
     def synthesise(self, points: Sequence[PointSet], modes: Array) -> tuple[Array, ...]:
-        """Complex velocities [ring, azimuth, 3] at each set of points, differentiable in both."""
+        """Velocities [ring, azimuth, 3] at each set of points, differentiable in both.
+
+        Those of rings are complex, with an imaginary part of roundoff unless there is a shift.
+        """
         wave_vectors = self.wave_vectors()
 
         @jax.custom_jvp
@@ -91,6 +95,13 @@ class Transform(eqx.Module):
             return transform(points, modes), tuple(moved)
 
         return transform(tuple(points), modes)
+
+
+def _in_pairs(components: Array) -> Array:
+    """Components a_0 + i a_1, a_2 + i a_3, ..., for transforms of which each a is real."""
+    if components.shape[0] % 2:
+        components = jnp.concatenate([components, jnp.zeros_like(components[:1])])
+    return components[0::2] + 1j * components[1::2]
 
 
 def _mode_numbers(length: float, largest: float) -> np.ndarray:
@@ -143,7 +154,10 @@ class RingTransform(Transform):
 
 
 class NonuniformTransform(Transform):
-    """Nonuniform fast Fourier transform for any points; modes are [x, y, z] wave numbers."""
+    """Nonuniform fast Fourier transform for any points; modes are [x, y, z] wave numbers.
+
+    For real fields: two components share one complex transform, and velocities come out real.
+    """
 
     shape: tuple[int, int, int] = eqx.field(static=True)
     width: float = eqx.field(static=True)
@@ -166,11 +180,31 @@ class NonuniformTransform(Transform):
         return scale * loose[:, 0], scale * loose[:, 1], 2 * math.pi * (turn - jnp.round(turn))
 
     def _analyse(self, points: Points, strengths: Array) -> Array:
-        flat = strengths.reshape(strengths.shape[0], -1).astype(complex)
-        return nufft1(self.shape, flat, *self._angles([points]), eps=self.tolerance, iflag=-1)
+        count = strengths.shape[0]
+        pairs = _in_pairs(strengths.reshape(count, -1))
+        modes = nufft1(
+            self.shape,
+            pairs,
+            *self._angles([points]),
+            eps=self.tolerance,
+            iflag=-1,
+            opts=NUFFT_OPTIONS,
+        )
+        # Transforms of real strengths a, b from that of a + i b, by their symmetry under k -> -k.
+        mirrored = jnp.conj(modes[:, ::-1, ::-1, ::-1])
+        both = jnp.stack([0.5 * (modes + mirrored), -0.5j * (modes - mirrored)], axis=1)
+        return both.reshape(-1, *self.shape)[:count]
 
     def _synthesise(self, points: Sequence[PointSet], modes: Array) -> tuple[Array, ...]:
-        loose = nufft2(modes, *self._angles(points), eps=self.tolerance, iflag=1)
+        pairs = nufft2(
+            _in_pairs(modes),
+            *self._angles(points),
+            eps=self.tolerance,
+            iflag=1,
+            opts=NUFFT_OPTIONS,
+        )
+        loose = jnp.stack([pairs.real, pairs.imag], axis=1).reshape(-1, pairs.shape[-1])
+        loose = loose[: modes.shape[0]]
         sizes = [each.shape[0] * each.shape[1] for each in points]
         parts = jnp.split(loose, np.cumsum(sizes)[:-1], axis=1)
         return tuple(

@@ -23,7 +23,7 @@ from jax_finufft import nufft2
 from jaxtyping import Array, Complex, Float
 from scipy.special import ive
 
-import celltrain.runtime  # noqa: F401
+from celltrain.runtime import NUFFT_OPTIONS
 
 Cylindrical = tuple[Array, Array, Array]
 
@@ -157,7 +157,7 @@ class TubeWall(eqx.Module):
 
     def at_points(
         self, points: Float[Array, "ring azimuth 3"], flow: Complex[Array, "3 m k chebyshev"]
-    ) -> Complex[Array, "ring azimuth 3"]:
+    ) -> Float[Array, "ring azimuth 3"]:
         """The flow at any points inside the tube; only for a train without axial shift."""
         loose = points.reshape(-1, 3)
         square = loose[:, 0] ** 2 + loose[:, 1] ** 2
@@ -168,8 +168,11 @@ class TubeWall(eqx.Module):
         both = jnp.concatenate([half[..., :0:-1], flow[..., :1], half[..., 1:]], axis=-1)
         angle_z = 2.0 * math.pi * (loose[:, 2] / self.period)
         angle_z = angle_z - 2.0 * math.pi * jnp.round(loose[:, 2] / self.period)
-        sums = nufft2(both, theta, angle_z, psi, eps=self.tolerance, iflag=1)
-        return _to_cartesian(points, jnp.moveaxis(sums, 0, -1).reshape(points.shape))
+        # The components are real: two of them share one complex transform.
+        pairs = jnp.stack([both[0] + 1j * both[1], both[2]])
+        sums = nufft2(pairs, theta, angle_z, psi, eps=self.tolerance, iflag=1, opts=NUFFT_OPTIONS)
+        cylindrical = jnp.stack([sums[0].real, sums[0].imag, sums[1].real], axis=-1)
+        return _to_cartesian(points, cylindrical.reshape(points.shape))
 
 
 def _to_cartesian(points: Array, cylindrical: Array) -> Array:
