@@ -16,7 +16,7 @@ import celltrain.runtime  # noqa: F401  (first: settings of JAX)
 from celltrain.parameters import CaseError, Train, load_case, paper_units
 from celltrain.results import load, print_report, save, summary
 from celltrain.stability import Mode, Stability, stability
-from celltrain.steady import Base, NotConverged, steady
+from celltrain.steady import Base, NotConverged, fluid_velocity, steady
 
 __version__ = "0.1.0"
 
@@ -27,6 +27,7 @@ __all__ = [
     "NotConverged",
     "Stability",
     "Train",
+    "fluid_velocity",
     "load",
     "load_case",
     "paper_units",

@@ -159,6 +159,9 @@ class TubeWall(eqx.Module):
         self, points: Float[Array, "ring azimuth 3"], flow: Complex[Array, "3 m k chebyshev"]
     ) -> Float[Array, "ring azimuth 3"]:
         """The flow at any points inside the tube; only for a train without axial shift."""
+        # On the axis the cylindrical components have no direction: step off it by 1e-9.
+        on_axis = points[..., 0] ** 2 + points[..., 1] ** 2 < 1e-18
+        points = points.at[..., 0].add(jnp.where(on_axis, 1e-9, 0.0))
         loose = points.reshape(-1, 3)
         square = loose[:, 0] ** 2 + loose[:, 1] ** 2
         theta = jnp.arctan2(loose[:, 1], loose[:, 0])

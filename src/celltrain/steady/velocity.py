@@ -1,0 +1,44 @@
+"""Velocity of the fluid in a steady train."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from celltrain.parameters import CaseError
+from celltrain.steady.base import Base
+from celltrain.train import TrainOperator, train_operator
+
+
+@eqx.filter_jit
+def _velocity(operator: TrainOperator, points: Array, shapes: Array) -> Array:
+    return operator.velocity_at(points, shapes)
+
+
+def fluid_velocity(
+    base: Base, points: Float[np.ndarray, "point 3"]
+) -> Float[np.ndarray, "point 3"]:
+    """Velocity at points in the fluid or inside cells, in U and in the frame of the tube.
+
+    **Arguments:** `points`: x, y, z in r0; the tube's axis is z, one cell's mean point is the
+    origin, and the train repeats every `base.train.period`.
+
+    Points much closer to a membrane than the spacing of the source grid, pi/`source_order` times
+    the cell's size, are less accurate: the integrals over the membranes use the ordinary grid.
+
+    **Raises:** `CaseError` for a point outside the tube.
+    """
+    points = np.asarray(points, dtype=float)
+    distance = np.hypot(points[:, 0], points[:, 1])
+    if distance.size and distance.max() > base.train.radius:
+        raise CaseError(
+            f"a point at the distance {distance.max():g} r0 from the axis is not allowed: the"
+            f" tube's radius is {base.train.radius:g} r0"
+        )
+    # Into the period about the cell at the origin.
+    inside = points.copy()
+    inside[:, 2] -= base.train.period * np.round(inside[:, 2] / base.train.period)
+    operator = train_operator(base.train, rings=False)
+    return np.asarray(
+        _velocity(operator, jnp.asarray(inside), jnp.asarray(base.coefficients)[None])
+    )
