@@ -5,17 +5,14 @@ import math
 import subprocess
 import sys
 import tomllib
-from importlib import import_module
 
 import numpy as np
 import pytest
 
-from celltrain.cli import main
+from celltrain.cli import compute, main
 from celltrain.parameters import Train
 from celltrain.results import load, save
 
-# By its full name: the package itself has the function of that name.
-STEADY = import_module("celltrain.steady")
 CASE = ["--diameter", "6", "--packing", "0.2"]
 
 
@@ -154,7 +151,7 @@ def test_json_is_one_object_and_alone_on_standard_output(fake_base, monkeypatch,
             progress(iteration)
         return fake_base
 
-    monkeypatch.setattr(STEADY, "steady", steady)
+    monkeypatch.setattr(compute, "steady", steady)
     assert main(["base", *CASE, "--json"]) == 0
     printed = capsys.readouterr()
     content = json.loads(printed.out)
@@ -171,9 +168,9 @@ def test_json_is_one_object_and_alone_on_standard_output(fake_base, monkeypatch,
 @pytest.mark.parametrize("output", [None, "train.nc"])
 def test_no_convergence_saves_the_last_state(output, fake_base, monkeypatch, tmp_path, capsys):
     def fail(train, *, start=None, progress=None):
-        raise STEADY.NotConverged("no steady train within 3 iterations", fake_base)
+        raise compute.NotConverged("no steady train within 3 iterations", fake_base)
 
-    monkeypatch.setattr(STEADY, "steady", fail)
+    monkeypatch.setattr(compute, "steady", fail)
     monkeypatch.chdir(tmp_path)
     arguments = ["-o", output] if output else []
     assert main(["base", *CASE, "--json", *arguments]) == 3
@@ -193,7 +190,7 @@ def test_start_gives_the_case_that_options_change(fake_base, monkeypatch, tmp_pa
         seen.append((train, start))
         return fake_base
 
-    monkeypatch.setattr(STEADY, "steady", steady)
+    monkeypatch.setattr(compute, "steady", steady)
     path = tmp_path / "start.nc"
     save(fake_base, path)
     assert main(["base", "--start", str(path), "--packing", "0.5", "--json", "--quiet"]) == 0
@@ -207,9 +204,20 @@ def test_interruption_is_told(monkeypatch, tmp_path, capsys):
     def interrupt(train, *, start=None, progress=None):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(STEADY, "steady", interrupt)
+    monkeypatch.setattr(compute, "steady", interrupt)
     path = tmp_path / "train.nc"
     path.write_text("an older result")
     assert main(["base", *CASE, "-o", str(path)]) == 130
     assert "interrupted" in capsys.readouterr().err
     assert path.read_text() == "an older result"
+
+
+def test_a_viscosity_ratio_is_refused_before_anything_is_computed(monkeypatch, capsys):
+    def never(train, *, start=None, progress=None):
+        raise AssertionError("the steady train was computed")
+
+    monkeypatch.setattr(compute, "steady", never)
+    assert main(["stability", *CASE, "--viscosity-ratio", "5"]) == 2
+    message = capsys.readouterr().err
+    assert "viscosity_ratio = 5" in message
+    assert "allowed is 1" in message

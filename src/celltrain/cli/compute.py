@@ -1,8 +1,4 @@
-"""The commands that compute: from a checked case to a report, a file, pictures, or JSON.
-
-Everything that needs JAX is imported here when it is first used, after all arguments are known to
-be good, so that help and refusals come at once.
-"""
+"""The commands that compute: from a checked case to a report, a file, pictures, or JSON."""
 
 import json
 import math
@@ -11,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
@@ -19,10 +15,10 @@ from rich.table import Table
 from celltrain.cli.outputs import check_folder, check_output, last_state_path
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import CaseError, Train, merge_case, read_case
-
-if TYPE_CHECKING:
-    from celltrain.stability import Stability
-    from celltrain.steady import Base, Iteration, NotConverged
+from celltrain.pictures import plot_all
+from celltrain.results import load, print_report, save, summary
+from celltrain.stability import Stability, check_linearisable, stability
+from celltrain.steady import Base, Iteration, NotConverged, steady
 
 #: Exit status of a computation that did not converge.
 NOT_CONVERGED = 3
@@ -55,7 +51,8 @@ def run(
     case = read_case(request.case) if request.case else None
     start = _start(request.start) if request.start else None
     train = _train(case, start, leaves)
-    _check_azimuthal_numbers(azimuthal_numbers, train)
+    if stable:
+        check_linearisable(train, azimuthal_numbers)
     if request.output:
         check_output(request.output)
     if request.plot:
@@ -68,25 +65,19 @@ def run(
             f"train of {train.cells} cells, packing {train.packing:g}, in a tube of diameter"
             f" {train.tube.diameter:g} r0, degree {train.resolution.degree}"
         )
-        from celltrain.steady import NotConverged, steady
-
         try:
             base = steady(train, start=start, progress=reporter.iteration)
         except NotConverged as failure:
             return _not_converged(failure, errors, request.output)
         result: Base | Stability = base
         if stable:
-            from celltrain.stability import stability
-
             result = stability(base, azimuthal_numbers=azimuthal_numbers, progress=reporter.share)
         _keep(result, request, reporter)
     _show(result, as_json=request.json)
     return 0
 
 
-def _train(
-    case: Mapping[str, Any] | None, start: "Base | None", leaves: Mapping[str, Any]
-) -> Train:
+def _train(case: Mapping[str, Any] | None, start: Base | None, leaves: Mapping[str, Any]) -> Train:
     if case is None and start is not None:
         if leaves.get("units") == "SI":
             return merge_case(start.train.leaves("SI"), leaves)
@@ -95,12 +86,9 @@ def _train(
     return merge_case(case or {}, leaves)
 
 
-def _start(path: Path) -> "Base":
+def _start(path: Path) -> Base:
     if not path.is_file():
         raise CaseError(f"start = {str(path)!r} cannot be read: there is no such file")
-    from celltrain.results import load
-    from celltrain.steady import Base
-
     try:
         result = load(path)
     except (OSError, ValueError, KeyError) as error:
@@ -108,32 +96,16 @@ def _start(path: Path) -> "Base":
     return result if isinstance(result, Base) else result.base
 
 
-def _check_azimuthal_numbers(numbers: Sequence[int] | None, train: Train) -> None:
-    for number in numbers or ():
-        if not isinstance(number, int) or not 0 <= number <= train.resolution.degree:
-            raise CaseError(
-                f"azimuthal_numbers = {number!r} is not allowed; allowed: whole numbers from 0 to"
-                f" the degree, {train.resolution.degree}"
-            )
-
-
-def _keep(result: "Base | Stability", request: Request, reporter: Reporter) -> None:
+def _keep(result: Base | Stability, request: Request, reporter: Reporter) -> None:
     if request.output:
-        from celltrain.results import save
-
         save(result, request.output)
         reporter.log(f"saved {request.output}")
     if request.plot:
-        from celltrain.pictures import plot_all
-
         for path in plot_all(result, request.plot):
             reporter.log(f"drew {path}")
 
 
-def _show(result: "Base | Stability", *, as_json: bool) -> None:
-    from celltrain.results import print_report, summary
-    from celltrain.steady import Base
-
+def _show(result: Base | Stability, *, as_json: bool) -> None:
     if not as_json:
         print_report(result, Console())
         return
@@ -143,13 +115,13 @@ def _show(result: "Base | Stability", *, as_json: bool) -> None:
     print(json.dumps(content, indent=2, allow_nan=False))
 
 
-def _plain(iteration: "Iteration") -> dict[str, Any]:
+def _plain(iteration: Iteration) -> dict[str, Any]:
     """An iteration as JSON can hold it: Newton's infinite step becomes None."""
     values = asdict(iteration)
     return values | {"step": values["step"] if math.isfinite(values["step"]) else None}
 
 
-def _not_converged(failure: "NotConverged", errors: Console, output: Path | None) -> int:
+def _not_converged(failure: NotConverged, errors: Console, output: Path | None) -> int:
     errors.print(f"not converged: {failure}", markup=False, highlight=False)
     table = Table("iteration", "method", "residual, U", "step, r0/U", "cell velocity, U")
     for number, iteration in enumerate(failure.history, 1):
@@ -162,8 +134,6 @@ def _not_converged(failure: "NotConverged", errors: Console, output: Path | None
         )
     errors.print(table)
     path = last_state_path(output)
-    from celltrain.results import save
-
     try:
         save(failure.last, path)
     except OSError as error:

@@ -1,6 +1,6 @@
 """Linear stability of steady trains."""
 
-from celltrain.stability.analysis import neutral_space, stability
+from celltrain.stability.analysis import check_linearisable, neutral_space, stability
 from celltrain.stability.full_matrix import (
     Derivative,
     ExactDerivative,
@@ -25,6 +25,7 @@ __all__ = [
     "SurfaceNorm",
     "TransientMode",
     "block_spectrum",
+    "check_linearisable",
     "full_matrix",
     "linear_blocks",
     "neutral_space",

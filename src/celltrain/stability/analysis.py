@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.parameters import CaseError
+from celltrain.parameters import CaseError, Train
 from celltrain.runtime import timed
 from celltrain.stability.linearise import Blocks, Progress, linear_blocks
 from celltrain.stability.norms import NORMS
@@ -45,6 +45,28 @@ def _unit(vector: Float[np.ndarray, " size"]) -> Float[np.ndarray, " size"]:
     return vector / np.linalg.norm(vector)
 
 
+def check_linearisable(train: Train, azimuthal_numbers: Sequence[int] | None) -> None:
+    """See to it that the linear dynamics of a train can be had, before anything is computed.
+
+    **Raises:** `CaseError` for a viscosity ratio other than 1 or an azimuthal number out of range.
+    """
+    ratio, degree = train.flow.viscosity_ratio, train.resolution.degree
+    if ratio != 1.0:
+        raise CaseError(
+            f"viscosity_ratio = {ratio:g} is not allowed for a stability analysis: allowed is 1"
+            " (the steady train itself does not depend on it)"
+        )
+    if azimuthal_numbers is None:
+        return
+    wrong = [m for m in azimuthal_numbers if not isinstance(m, int) or not 0 <= m <= degree]
+    if wrong or not azimuthal_numbers:
+        given = ", ".join(str(m) for m in wrong) or "none"
+        raise CaseError(
+            f"azimuthal_numbers = {given} is not allowed; allowed: whole numbers from 0 to the"
+            f" degree, {degree}"
+        )
+
+
 def stability(
     base: Base,
     *,
@@ -69,17 +91,8 @@ def stability(
     begin = time.perf_counter()
     train = base.train
     degree, cells = train.resolution.degree, train.cells
-    if train.flow.viscosity_ratio != 1.0:
-        raise CaseError(
-            f"viscosity_ratio = {train.flow.viscosity_ratio:g} is not allowed for a stability "
-            "analysis: allowed is 1 (the steady train itself does not depend on it)"
-        )
+    check_linearisable(train, azimuthal_numbers)
     numbers = tuple(range(degree + 1) if azimuthal_numbers is None else azimuthal_numbers)
-    for m in numbers:
-        if not 0 <= m <= degree:
-            raise CaseError(f"azimuthal number {m} is not allowed: allowed are 0 to {degree}")
-    if not numbers:
-        raise CaseError(f"no azimuthal number is given: allowed are 0 to {degree}")
     waves = np.arange(cells // 2 + 1)
     timings = dict(base.seconds)
     blocks = linear_blocks(
