@@ -126,7 +126,7 @@ def test_exit_status_of_the_process():
 def fake_base():
     """A base flow that nobody computed."""
     train = Train(diameter=6, packing=0.2, degree=6)
-    return STEADY.Base(
+    return compute.Base(
         train=train,
         coefficients=np.zeros((3, 36)),
         cell_velocity=1.5,
@@ -136,8 +136,8 @@ def fake_base():
         residual=1e-9,
         truncation_error=1e-4,
         history=(
-            STEADY.Iteration("march", 1e-2, 0.5, 1.4),
-            STEADY.Iteration("newton", 1e-9, math.inf, 1.5),
+            compute.Iteration("march", 1e-2, 0.5, 1.4),
+            compute.Iteration("newton", 1e-9, math.inf, 1.5),
         ),
         origin="made up",
         seconds={"compile": 0.1, "base": 0.2},
