@@ -50,12 +50,12 @@ def test_defaults_are_the_red_blood_cell_in_the_reference_scales():
     assert train.resolution.model_dump() == {
         "degree": 12,
         "energy_order": 36,
-        "source_order": 24,
-        "target_order": 16,
-        "polar_radial": 24,
-        "polar_azimuthal": 36,
+        "source_order": 30,
+        "target_order": 14,
+        "polar_radial": 28,
+        "polar_azimuthal": 42,
         "near_cutoff": 2.5,
-        "tolerance": 1e-7,
+        "tolerance": 1e-6,
     }
 
 
@@ -168,11 +168,11 @@ def test_every_leaf_can_be_changed():
 
 
 def test_a_new_degree_takes_along_only_the_usual_sizes():
-    train = Train(**NOMINAL, source_order=30)
+    train = Train(**NOMINAL, source_order=28)
     finer = train.changed(degree=16)
-    assert finer.resolution == Resolution(degree=16, source_order=30)
+    assert finer.resolution == Resolution(degree=16, source_order=28)
     assert train.changed(degree=16, target_order=17).resolution.target_order == 17
-    with pytest.raises(CaseError, match="source_order = 30"):
+    with pytest.raises(CaseError, match="source_order = 28"):
         train.changed(degree=32)
 
 
