@@ -1,12 +1,20 @@
+"""What several tests share. Annotations of arrays are checked while the tests run."""
+
+# ruff: noqa: E402
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from jaxtyping import install_import_hook
+
+# Before anything of the package is imported, and JAX with it. Cases check themselves.
+TYPED = ("harmonics", "membrane", "flow", "train", "steady", "stability", "results", "pictures")
+install_import_hook([f"celltrain.{name}" for name in TYPED], "beartype.beartype")
 
 from celltrain.harmonics import real_harmonics
 from celltrain.parameters import Train
-from celltrain.stability import Mode, Stability, TransientMode
-from celltrain.steady import Base, Iteration
+from celltrain.stability import Mode, Stability, TransientMode, stability
+from celltrain.steady import Base, Iteration, steady
 from celltrain.train import azimuthal_basis
 
 
@@ -112,3 +120,43 @@ def make_stability(make_base: Callable[..., Base]) -> Callable[..., Stability]:
         )
 
     return make
+
+
+@pytest.fixture(scope="session")
+def difference_order() -> Callable[..., float]:
+    """Order at which central differences of a function approach its derivative by `jax.jvp`.
+
+    Arguments: the function, a point, a direction, and two steps.
+    """
+    import jax
+    import jax.numpy as jnp
+
+    def order(
+        function: Callable[..., np.ndarray],
+        at: np.ndarray,
+        direction: np.ndarray,
+        steps: tuple[float, float],
+    ) -> float:
+        at, direction = jnp.asarray(at), jnp.asarray(direction)
+        exact = jax.jit(lambda: jax.jvp(function, (at,), (direction,))[1])()
+        errors = [
+            jnp.abs(
+                (function(at + h * direction) - function(at - h * direction)) / (2 * h) - exact
+            ).max()
+            for h in steps
+        ]
+        return float(np.log(errors[0] / errors[1]) / np.log(steps[0] / steps[1]))
+
+    return order
+
+
+@pytest.fixture(scope="session")
+def coarse_base() -> Base:
+    """A steady train of three cells, coarse: what is exact must hold for it, too."""
+    return steady(Train(diameter=6, packing=0.3, cells=3, degree=6))
+
+
+@pytest.fixture(scope="session")
+def coarse_stability(coarse_base: Base) -> Stability:
+    """Its linear dynamics."""
+    return stability(coarse_base, estimate_error=False)

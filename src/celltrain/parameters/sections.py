@@ -108,7 +108,7 @@ class Resolution(Section):
         description="distance to which the near sum is taken, r0 also in SI",
     )
     tolerance: Real = Field(
-        default=1e-7, ge=1e-12, le=1e-3, description="relative error aimed at in the fast sums"
+        default=1e-6, ge=1e-12, le=1e-3, description="relative error aimed at in the fast sums"
     )
 
     @model_validator(mode="after")
