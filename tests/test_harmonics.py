@@ -1,0 +1,131 @@
+"""Spherical harmonics, their grids, and the rule about a target."""
+
+import math
+from collections.abc import Callable
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.special import sph_harm_y
+
+from celltrain.harmonics import (
+    coefficient_index,
+    degrees_and_orders,
+    harmonic_tables,
+    polar_rule,
+    real_harmonics,
+    shift_longitude,
+    sphere_grid,
+)
+
+DEGREE = 8
+
+
+def points(count: int = 40) -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(0)
+    return np.arccos(random.uniform(-0.99, 0.99, count)), random.uniform(0, 2 * np.pi, count)
+
+
+def test_coefficients_are_ordered_by_degree_then_order() -> None:
+    n, m = degrees_and_orders(DEGREE)
+    assert n.size == DEGREE**2
+    places = [coefficient_index(*pair) for pair in zip(n.tolist(), m.tolist(), strict=True)]
+    assert places == list(range(DEGREE**2))
+
+
+def test_values_are_those_of_the_complex_harmonics() -> None:
+    theta, phi = points()
+    for (n, m), found in zip(
+        np.transpose(degrees_and_orders(DEGREE)), real_harmonics(DEGREE, theta, phi).T, strict=True
+    ):
+        # Without the Condon-Shortley sign.
+        value = (-1.0) ** m * sph_harm_y(n, abs(m), theta, phi)
+        scale = 1 if m == 0 else math.sqrt(2)
+        assert_allclose(found, scale * (value.imag if m < 0 else value.real), rtol=0, atol=1e-13)
+
+
+def test_grid_is_orthonormal_up_to_its_order() -> None:
+    # Products have degrees up to 2 * 7 = 14, below 2 * rings.
+    grid = sphere_grid(DEGREE, DEGREE)
+    assert_allclose(grid.projection @ grid.values, np.eye(DEGREE**2), rtol=0, atol=1e-13)
+    coarse = sphere_grid(DEGREE, DEGREE - 1)
+    assert np.abs(coarse.projection @ coarse.values - np.eye(DEGREE**2)).max() > 0.1
+
+
+def test_projection_recovers_coefficients() -> None:
+    grid = sphere_grid(DEGREE, DEGREE + 3)
+    theta, phi = grid.points()
+    coefficients = np.random.default_rng(1).normal(size=DEGREE**2)
+    values = real_harmonics(DEGREE, theta, phi) @ coefficients
+    assert_allclose(grid.projection @ values, coefficients, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("derivative", "of", "along"),
+    [
+        ("d_theta", "value", 0),
+        ("d_phi", "value", 1),
+        ("d_theta_theta", "d_theta", 0),
+        ("d_theta_phi", "d_theta", 1),
+        ("d_phi_phi", "d_phi", 1),
+    ],
+)
+def test_derivatives_are_limits_of_differences(derivative: str, of: str, along: int) -> None:
+    at = np.stack(points())
+    exact = np.asarray(getattr(harmonic_tables(DEGREE, *at), derivative))
+
+    def error(step: float) -> float:
+        move = step * np.eye(2)[along][:, None]
+        ahead, behind = (
+            np.asarray(getattr(harmonic_tables(DEGREE, *(at + sign * move)), of))
+            for sign in (1, -1)
+        )
+        return float(np.abs((ahead - behind) / (2 * step) - exact).max())
+
+    assert np.log10(error(1e-2) / error(1e-3)) == pytest.approx(2, abs=0.05)
+    assert error(1e-4) < 1e-5
+
+
+def test_shifted_coefficients_are_those_of_the_turned_function() -> None:
+    theta, phi = points()
+    coefficients = np.random.default_rng(2).normal(size=(3, DEGREE**2))
+    angles = np.array([0.3, -1.7])
+    shifted = shift_longitude(jnp.asarray(coefficients), jnp.asarray(angles))
+    for angle, each in zip(angles, shifted, strict=True):
+        expected = real_harmonics(DEGREE, theta, phi + angle) @ coefficients.T
+        assert_allclose(real_harmonics(DEGREE, theta, phi) @ each.T, expected, rtol=0, atol=1e-12)
+
+
+def direction(theta: np.ndarray, phi: np.ndarray) -> np.ndarray:
+    return np.stack(
+        [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1
+    )
+
+
+@pytest.mark.parametrize("theta", [0.1, 1.3, 3.0])
+@pytest.mark.parametrize(
+    ("integrand", "integral"),
+    [
+        # int exp(a.x) = 4 pi sinh|a|/|a|.
+        (lambda x, pole: np.exp(x @ [1.0, 2.0, 2.0]), 4 * math.pi * math.sinh(3) / 3),
+        # The chord to the pole is 2 sin(alpha/2): int 1/chord = 4 pi.
+        (lambda x, pole: 1 / np.linalg.norm(x - pole, axis=-1), 4 * math.pi),
+        # int x/chord = (4 pi/3) pole.
+        (lambda x, pole: x @ pole / np.linalg.norm(x - pole, axis=-1), 4 * math.pi / 3),
+    ],
+    ids=["smooth", "singular", "dipole"],
+)
+def test_rule_about_a_target_integrates_a_singularity(
+    theta: float, integrand: Callable[..., np.ndarray], integral: float
+) -> None:
+    node_theta, node_phi, weights = polar_rule(theta, 20, 28)
+    pole = direction(np.array(theta), np.array(0.0))
+    found = weights @ integrand(direction(node_theta, node_phi), pole)
+    assert_allclose(found, integral, rtol=1e-12)
+
+
+def test_rule_about_a_target_is_symmetric() -> None:
+    theta, phi, weights = polar_rule(0.8, 6, 10)
+    mirrored = sorted(zip(theta.round(12), (-phi).round(12), weights.round(12), strict=True))
+    assert mirrored == sorted(zip(theta.round(12), phi.round(12), weights.round(12), strict=True))

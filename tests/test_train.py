@@ -1,0 +1,222 @@
+"""The rates of change of a train's shapes: two different cells, deformed, in one period."""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from celltrain import Train
+from celltrain.train import (
+    TrainOperator,
+    axisymmetric_basis,
+    azimuthal_basis,
+    largest_radius,
+    place_cells,
+    resting_shapes,
+    streamwise_gap,
+    train_operator,
+)
+
+DEGREE, CELLS = 6, 2
+TRAIN = Train(
+    diameter=6,
+    packing=0.4,
+    cells=CELLS,
+    degree=DEGREE,
+    source_order=16,
+    polar_radial=20,
+    polar_azimuthal=28,
+    tolerance=1e-9,
+)
+Rates = Callable[[TrainOperator, np.ndarray], np.ndarray]
+Change = Callable[[TrainOperator, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+@pytest.fixture(scope="module")
+def rates() -> Rates:
+    compiled = eqx.filter_jit(lambda operator, shapes: operator.rates(shapes))
+    return lambda operator, shapes: np.asarray(compiled(operator, jnp.asarray(shapes)))
+
+
+@pytest.fixture(scope="module")
+def rates_and_change() -> Change:
+    @eqx.filter_jit
+    def compiled(operator: TrainOperator, shapes: jax.Array, step: jax.Array):
+        return jax.jvp(operator.rates, (shapes,), (step,))
+
+    def both(operator: TrainOperator, shapes: np.ndarray, step: np.ndarray):
+        value, change = compiled(operator, jnp.asarray(shapes), jnp.asarray(step))
+        return np.asarray(value), np.asarray(change)
+
+    return both
+
+
+@pytest.fixture(scope="module")
+def any_shapes() -> TrainOperator:
+    return train_operator(TRAIN, cells=CELLS, rings=False)
+
+
+@pytest.fixture(scope="module")
+def axisymmetric() -> np.ndarray:
+    """Two different axisymmetric cells, deformed by a few hundredths."""
+    basis = axisymmetric_basis(DEGREE)
+    amounts = 0.05 * np.random.default_rng(0).normal(size=(CELLS, len(basis)))
+    return resting_shapes(TRAIN, CELLS) + np.einsum("cu,uik->cik", amounts, basis)
+
+
+@pytest.fixture(scope="module")
+def skewed(axisymmetric: np.ndarray) -> np.ndarray:
+    """The same off the axis and without any symmetry."""
+    return axisymmetric + 0.05 * np.random.default_rng(1).normal(size=axisymmetric.shape)
+
+
+def soft(operator: TrainOperator) -> TrainOperator:
+    """The same train of cells without any elasticity."""
+    membrane = operator.membrane
+    return eqx.tree_at(
+        lambda o: (
+            o.membrane.law.shear_modulus,
+            o.membrane.law.dilatation_modulus,
+            o.membrane.bending_modulus,
+        ),
+        operator,
+        [0.0 * membrane.bending_modulus] * 3,
+    )
+
+
+def test_train_at_rest_is_carried_by_the_flow_alone(
+    any_shapes: TrainOperator, rates: Rates
+) -> None:
+    resting = resting_shapes(TRAIN, CELLS)
+    grid = any_shapes.target_grid
+    x, y, _ = np.moveaxis(resting @ np.asarray(grid.values).T, 1, 0)
+    profile = 2 * (1 - (x**2 + y**2) / 9)
+    expected = np.zeros_like(resting)
+    expected[:, 2] = profile @ np.asarray(grid.projection).T
+    found = rates(any_shapes, resting)
+    assert_allclose(found, expected, rtol=0, atol=1e-11)
+    assert_allclose(found, rates(soft(any_shapes), resting), rtol=0, atol=1e-11)
+
+
+def test_one_meridian_is_enough(
+    axisymmetric: np.ndarray, any_shapes: TrainOperator, rates: Rates
+) -> None:
+    meridian = train_operator(TRAIN, cells=CELLS, meridian=True)
+    expected = rates(any_shapes, axisymmetric)
+    assert_allclose(rates(meridian, axisymmetric), expected, rtol=0, atol=2e-8)
+
+
+def test_rings_take_steps_in_all_directions(
+    axisymmetric: np.ndarray, any_shapes: TrainOperator, rates: Rates, rates_and_change: Change
+) -> None:
+    step = np.random.default_rng(2).normal(size=axisymmetric.shape)
+    step /= np.linalg.norm(step)
+    in_rings = train_operator(TRAIN, cells=CELLS, rings=True)
+    value, change = rates_and_change(in_rings, axisymmetric, step)
+    assert_allclose(value, rates(any_shapes, axisymmetric), rtol=0, atol=2e-8)
+
+    def error(h: float) -> float:
+        ahead = rates(any_shapes, axisymmetric + h * step)
+        behind = rates(any_shapes, axisymmetric - h * step)
+        return float(np.abs((ahead - behind) / (2 * h) - change).max())
+
+    assert np.log10(error(1e-1) / error(1e-2)) == pytest.approx(2, abs=0.1)
+    assert error(1e-3) < 1e-4 * np.abs(change).max()
+
+
+def test_result_does_not_depend_on_the_splitting(axisymmetric: np.ndarray, rates: Rates) -> None:
+    # Which of the two kernels acts on a cell itself depends on it, so the rules must be fine.
+    fine = TRAIN.changed(source_order=30, polar_radial=48, polar_azimuthal=60)
+    one, other = (
+        rates(
+            train_operator(fine.changed(near_cutoff=cutoff), cells=CELLS, meridian=True),
+            axisymmetric,
+        )
+        for cutoff in (2.5, 2.0)
+    )
+    assert_allclose(other, one, rtol=0, atol=1e-8)
+
+
+def test_turned_and_mirrored_trains_move_alike(
+    skewed: np.ndarray, any_shapes: TrainOperator, rates: Rates
+) -> None:
+    expected = rates(any_shapes, skewed)
+    cosine, sine = np.cos(0.7), np.sin(0.7)
+    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    assert_allclose(rates(any_shapes, turn @ skewed), turn @ expected, rtol=0, atol=2e-8)
+    # A mirror image of a closed surface in its outward order: mirrored in longitude, too.
+    order = np.arange(DEGREE**2) - np.repeat(
+        [n * n + n for n in range(DEGREE)], 2 * np.arange(DEGREE) + 1
+    )
+    mirror = np.diag([1.0, -1.0, 1.0]) @ (skewed * np.where(order < 0, -1.0, 1.0))
+    found = np.diag([1.0, -1.0, 1.0]) @ rates(any_shapes, mirror) * np.where(order < 0, -1.0, 1.0)
+    assert_allclose(found, expected, rtol=0, atol=2e-8)
+
+
+def test_shifted_train_moves_alike(
+    skewed: np.ndarray, any_shapes: TrainOperator, rates: Rates
+) -> None:
+    # By any distance; and the second cell by a period of all, which makes it the first.
+    shifted = skewed.copy()
+    shifted[:, 2, 0] += 0.777
+    shifted[1, 2, 0] -= CELLS * TRAIN.period * np.sqrt(4 * np.pi)
+    found = rates(any_shapes, shifted[::-1])[::-1]
+    assert_allclose(found, rates(any_shapes, skewed), rtol=0, atol=2e-8)
+
+
+def test_copies_of_a_cell_move_as_it_does_alone_in_its_period(
+    axisymmetric: np.ndarray, any_shapes: TrainOperator, rates: Rates
+) -> None:
+    alone = rates(train_operator(TRAIN, cells=1), axisymmetric[:1])
+    together = rates(any_shapes, place_cells(axisymmetric[0], TRAIN, CELLS))
+    assert_allclose(together, np.repeat(alone, CELLS, axis=0), rtol=0, atol=2e-8)
+
+
+def test_volume_is_conserved_exactly(
+    skewed: np.ndarray, any_shapes: TrainOperator, rates: Rates
+) -> None:
+    gradient = np.asarray(jax.vmap(any_shapes.membrane.volume_gradient)(jnp.asarray(skewed)))
+    found = rates(any_shapes, skewed)
+    drift = np.sum(gradient * found, axis=(1, 2))
+    assert_allclose(drift, 0.0, atol=1e-13 * np.linalg.norm(gradient) * np.linalg.norm(found))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_energy_is_only_lost_without_flow(
+    seed: int, axisymmetric: np.ndarray, any_shapes: TrainOperator, rates: Rates
+) -> None:
+    shapes = axisymmetric + 0.05 * np.random.default_rng(seed).normal(size=axisymmetric.shape)
+    forces = np.asarray(any_shapes.forces(jnp.asarray(shapes)))
+    # Velocity by the forces alone.
+    response = rates(any_shapes, shapes) - rates(soft(any_shapes), shapes)
+    power = np.sum(forces * response)
+    assert power > 0.1 * np.linalg.norm(forces) * np.linalg.norm(response)
+
+
+def test_gap_and_largest_radius_of_a_disc() -> None:
+    disc = resting_shapes(TRAIN, 1)[0]
+    assert_allclose(largest_radius(disc), 1.38581894, rtol=1e-9)
+    # The thickness of the disc is largest off its axis.
+    s = np.linspace(0, 1, 100001) ** 0.5
+    half = 1.38581894 / 2 * (0.207 + 2.003 * s**2 - 1.123 * s**4) * np.sqrt(1 - s**2)
+    assert_allclose(streamwise_gap(disc, 2.5), 2.5 - 2 * half.max(), rtol=0, atol=1e-5)
+    # Nested cups: z = cos/2 + P_2(cos), the second part even in z and so the same front and rear.
+    cup = disc.copy()
+    cup[2] = 0.0
+    cup[2, 2], cup[2, 6] = 0.5 * np.sqrt(4 * np.pi / 3), np.sqrt(4 * np.pi / 5)
+    assert_allclose(streamwise_gap(cup, 2.0), 1.0, rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("m", range(DEGREE + 1))
+def test_disturbances_of_one_azimuthal_number_turn_into_themselves(m: int) -> None:
+    basis = azimuthal_basis(DEGREE, m)
+    flat = basis.reshape(len(basis), -1)
+    assert_allclose(flat @ flat.T, np.eye(len(flat)), rtol=0, atol=1e-14)
+    others = [azimuthal_basis(DEGREE, k).reshape(-1, flat.shape[1]) for k in range(DEGREE + 1)]
+    for k, other in enumerate(others):
+        if k != m:
+            assert_allclose(flat @ other.T, 0.0, atol=1e-14)
