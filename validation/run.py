@@ -1,0 +1,55 @@
+"""The numbers that the documentation quotes, computed anew.
+
+    python validation/run.py [STUDY ...] [--reference FOLDER]
+
+Every study writes a page and a figure into docs/validation and states what is expected. Without
+names all of them run, which takes about half an hour on two cores.
+"""
+
+import argparse
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import convergence
+import packing
+import reference
+import sphere
+
+HERE = Path(__file__).resolve().parent
+REFERENCE = HERE.parents[1] / "shared" / "reference"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Compute the pages of docs/validation anew.")
+    parser.add_argument(
+        "--reference",
+        type=Path,
+        default=REFERENCE,
+        help="folder with the case of an independent code (default: ../shared/reference)",
+    )
+    studies: dict[str, Callable[[argparse.Namespace], object]] = {
+        "sphere": lambda _: sphere.study(),
+        "reference": lambda options: reference.study(options.reference),
+        "convergence": lambda _: convergence.study(),
+        "packing": lambda _: packing.study(),
+    }
+    parser.add_argument("studies", nargs="*", metavar="STUDY", help=", ".join(studies))
+    options = parser.parse_args()
+    unknown = [name for name in options.studies if name not in studies]
+    if unknown:
+        parser.error(f"no such study: {', '.join(unknown)}; there are {', '.join(studies)}")
+    chosen = options.studies or list(studies)
+    if len(chosen) == 1:
+        studies[chosen[0]](options)
+        return
+    # Each in a process of its own: compiled programs of one study would stay in memory.
+    for name in chosen:
+        command = [sys.executable, __file__, name, "--reference", str(options.reference)]
+        if status := subprocess.run(command, check=False).returncode:
+            sys.exit(f"{name} ended with status {status}")
+
+
+if __name__ == "__main__":
+    main()
