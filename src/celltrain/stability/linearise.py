@@ -164,7 +164,9 @@ def linear_blocks(
         m: np.zeros((len(wave_numbers), len(basis), len(basis)), dtype=complex)
         for m, basis in bases.items()
     }
-    base, steps = jnp.asarray(shape), jnp.asarray(directions)
+    # Whole batches only: a remainder would be compiled as a second program.
+    missing = -len(directions) % BATCH
+    base, steps = jnp.asarray(shape), jnp.pad(directions, ((0, missing), (0, 0), (0, 0)))
     seconds = {} if seconds is None else seconds
     with timed(seconds, "linearise"):
         fixed, force_changes, turned = jax.block_until_ready(
@@ -175,7 +177,7 @@ def linear_blocks(
             operator = train_operator(train, wave_number=float(q))
             changes = _wave_part(operator, base, steps, force_changes)
             answers = np.asarray(_conserve(operator, base, fixed + changes) + turned)
-        for answer, members in zip(answers, contents, strict=True):
+        for answer, members in zip(answers, contents, strict=False):
             for m, column in members:
                 parity = _mirror_parity(degree, m)
                 part = np.einsum("uik,ik->u", bases[m], answer)
