@@ -153,7 +153,7 @@ def difference_order() -> Callable[..., float]:
 @pytest.fixture(scope="session")
 def coarse_base() -> Base:
     """A steady train of three cells, coarse: what is exact must hold for it, too."""
-    return steady(Train(diameter=6, packing=0.3, cells=3, degree=6))
+    return steady(Train(diameter=6, packing=0.3, cells=3, degree=6, tolerance=1e-7))
 
 
 @pytest.fixture(scope="session")

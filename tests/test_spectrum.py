@@ -1,5 +1,7 @@
 """Eigenvalues, vectors on both sides, neutral modes, norms, and growth at the first moment."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -237,6 +239,9 @@ def test_what_cannot_be_analysed_is_refused(coarse_stability: Stability) -> None
         stability(base, azimuthal_numbers=[0, 7])
     with pytest.raises(CaseError, match="azimuthal_numbers = none"):
         stability(base, azimuthal_numbers=[])
+    viscous = replace(base, train=base.train.changed(viscosity_ratio=5.0))
+    with pytest.raises(CaseError, match="viscosity_ratio = 5"):
+        stability(viscous)
 
 
 @pytest.mark.slow

@@ -68,6 +68,7 @@ def rigid_sphere() -> Callable[[float, float], RigidSphere]:
             cells=1,
             reference="sphere",
             degree=DEGREE,
+            tolerance=1e-7,
             polar_radial=32,
             polar_azimuthal=40,
         )

@@ -11,6 +11,8 @@ def _biconcave(theta: np.ndarray, phi: np.ndarray) -> np.ndarray:
     """Biconcave disc with its axis along the tube (Evans & Fung 1972).
 
     rho = a sin(theta),  z = (a/2) (0.207 + 2.003 sin^2 - 1.123 sin^4) cos(theta).
+
+    With the customary digits of a the volume is 4 pi/3 but for a relative excess of 6e-5.
     """
     square = np.sin(theta) ** 2
     constant, second, fourth = BICONCAVE_PROFILE
