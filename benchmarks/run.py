@@ -200,7 +200,10 @@ def main() -> None:
             record(case, measured, runs)
         if not errors.is_terminal:
             errors.print(f"{number}/{len(chosen)} {case.name}: {measured['seconds']:.3g} s")
-    Console().print(report(measurements))
+    # Not cut to the 80 columns of a log.
+    output = Console()
+    output = output if output.is_terminal else Console(width=110)
+    output.print(report(measurements))
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 from numpy.testing import assert_allclose
 
-from celltrain import CaseError, Stability, Train, stability, steady
+from celltrain import Base, CaseError, Stability, Train, stability, steady
 from celltrain.harmonics import degrees_and_orders
 from celltrain.stability import (
     NORMS,
@@ -242,6 +242,13 @@ def test_what_cannot_be_analysed_is_refused(coarse_stability: Stability) -> None
     viscous = replace(base, train=base.train.changed(viscosity_ratio=5.0))
     with pytest.raises(CaseError, match="viscosity_ratio = 5"):
         stability(viscous)
+
+
+def test_no_error_estimate_where_a_higher_degree_is_not_allowed(coarse_base: Base) -> None:
+    own_grid = coarse_base.train.changed(target_order=coarse_base.train.resolution.degree + 1)
+    result = stability(replace(coarse_base, train=own_grid), azimuthal_numbers=[1])
+    assert np.isnan(result.error_estimate)
+    assert result.leading.azimuthal_number == 1
 
 
 @pytest.mark.slow

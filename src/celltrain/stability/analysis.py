@@ -183,10 +183,11 @@ def _resolution_error(base: Base, leading: Mode) -> float:
     Not a number if the finer train cannot be had.
     """
     train = base.train
-    finer = train.changed(degree=train.resolution.degree + MORE_DEGREES)
     try:
+        # Grids chosen by hand may be too coarse for a higher degree.
+        finer = train.changed(degree=train.resolution.degree + MORE_DEGREES)
         nearby = steady(finer, start=base)
-    except NotConverged:
+    except (CaseError, NotConverged):
         return float("nan")
     m, wave = leading.azimuthal_number, leading.wave_number
     q = np.array([2.0 * np.pi * wave / train.cells])
