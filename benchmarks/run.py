@@ -161,7 +161,7 @@ def report(measurements: list[tuple[Case, dict[str, float]]]) -> Table:
     table = Table(title="D = 6 r0, packing 0.2, N = 8, M = 12", title_justify="left")
     table.caption = "prototype: its untuned predecessor; the paper: 5 hours for A with N = 8"
     table.add_column("what", no_wrap=True)
-    for column in ("s", "target", "prototype", "first call +", "MiB"):
+    for column in ("s", "target", "prototype", "first +", "MiB"):
         table.add_column(column, justify="right", no_wrap=True)
     for case, measured in measurements:
         missed = case.target is not None and measured["seconds"] > case.target
