@@ -145,8 +145,8 @@ def _degrees(page: Page, answers: dict[int, Answer]) -> None:
     page.text(
         "The numerical abscissa depends on the norm, and on the degree more than alpha does: it has"
         " not converged at the largest degree here. The trial implementation took disturbances that"
-        " are alike in all cells (q = 0); those that grow fastest need not be. m, j: of the disturbance"
-        " that grows fastest in the paper's norm."
+        " are alike in all cells (q = 0); those that grow fastest need not be. m, j: of the"
+        " disturbance that grows fastest in the paper's norm."
     )
     names = [norm.name for norm in NORMS]
     page.table(
