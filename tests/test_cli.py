@@ -210,14 +210,3 @@ def test_interruption_is_told(monkeypatch, tmp_path, capsys):
     assert main(["base", *CASE, "-o", str(path)]) == 130
     assert "interrupted" in capsys.readouterr().err
     assert path.read_text() == "an older result"
-
-
-def test_a_viscosity_ratio_is_refused_before_anything_is_computed(monkeypatch, capsys):
-    def never(train, *, start=None, progress=None):
-        raise AssertionError("the steady train was computed")
-
-    monkeypatch.setattr(compute, "steady", never)
-    assert main(["stability", *CASE, "--viscosity-ratio", "5"]) == 2
-    message = capsys.readouterr().err
-    assert "viscosity_ratio = 5" in message
-    assert "allowed is 1" in message

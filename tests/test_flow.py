@@ -14,7 +14,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.special import erfc
 
-from celltrain.flow import PeriodicTube, periodic_tube
+from celltrain.flow import PeriodicTube, Sources, periodic_tube
 from celltrain.flow.ewald import near_scalars, near_slopes
 from celltrain.flow.near import CHUNK, block_sum, near_sum
 
@@ -57,8 +57,8 @@ def velocity() -> Velocity:
 
     @jax.jit
     def compiled(tube, targets, sources, strengths):
-        forces = strengths[:, :, None]
-        return tube.velocity(targets[None, :, None], LOOSE, sources[:, :, None], forces)[0, :, 0]
+        forces = Sources(sources[:, :, None], strengths[:, :, None])
+        return tube.velocity(targets[None, :, None], LOOSE, forces)[0, :, 0]
 
     return compiled
 
@@ -70,7 +70,7 @@ def change() -> Callable[..., tuple[jax.Array, jax.Array]]:
     @jax.jit
     def compiled(tube, points, steps):
         def total(targets, sources, strengths):
-            return tube.velocity(targets, LOOSE, sources, strengths)
+            return tube.velocity(targets, LOOSE, Sources(sources, strengths))
 
         return jax.jvp(total, points, steps)
 
@@ -128,8 +128,7 @@ def test_near_sum_is_the_sum_over_pairs() -> None:
     summed = near_sum(
         jnp.asarray(targets),
         jnp.asarray(owners),
-        jnp.asarray(sources),
-        jnp.asarray(strengths),
+        Sources(jnp.asarray(sources)[:, :, None], jnp.asarray(strengths)[:, :, None]),
         parameter=0.8,
         cutoff=6.0,
         period=jnp.asarray(2.2),
@@ -157,8 +156,7 @@ def test_near_sum_leaves_out_what_is_out_of_range() -> None:
             near_sum(
                 jnp.array([[[0.5, 0.0, height]]]),
                 LOOSE,
-                jnp.zeros((1, 1, 3)),
-                jnp.ones((1, 1, 3)),
+                Sources(jnp.zeros((1, 1, 1, 3)), jnp.ones((1, 1, 1, 3))),
                 parameter=1.0,
                 cutoff=2.0,
                 period=jnp.asarray(20.0),
@@ -328,7 +326,7 @@ def test_waves_are_those_of_a_longer_tube() -> None:
 
     @jax.jit
     def velocity(tube, sources, forces):
-        return tube.velocity(jnp.asarray(targets), jnp.array([0]), sources, forces)
+        return tube.velocity(jnp.asarray(targets), jnp.array([0]), Sources(sources, forces))
 
     long = make_tube(periods, rings=True)
     driven = velocity(long, copies, 0 * copies)

@@ -10,13 +10,17 @@ from numpy.testing import assert_allclose
 from scipy.special import sph_harm_y
 
 from celltrain.harmonics import (
+    about_pole,
     coefficient_index,
     degrees_and_orders,
     harmonic_tables,
-    polar_rule,
+    polar_nodes,
+    polar_rotation,
+    polar_tables,
     real_harmonics,
     shift_longitude,
     sphere_grid,
+    unshift_longitude,
 )
 
 DEGREE = 8
@@ -119,13 +123,67 @@ def direction(theta: np.ndarray, phi: np.ndarray) -> np.ndarray:
 def test_rule_about_a_target_integrates_a_singularity(
     theta: float, integrand: Callable[..., np.ndarray], integral: float
 ) -> None:
-    node_theta, node_phi, weights = polar_rule(theta, 20, 28)
+    alpha, beta, weights = polar_nodes(20, 28)
+    node_theta, node_phi = about_pole(theta, *np.meshgrid(alpha, beta, indexing="ij"))
     pole = direction(np.array(theta), np.array(0.0))
-    found = weights @ integrand(direction(node_theta, node_phi), pole)
+    found = np.sum(weights * integrand(direction(node_theta, node_phi), pole))
     assert_allclose(found, integral, rtol=1e-12)
 
 
 def test_rule_about_a_target_is_symmetric() -> None:
-    theta, phi, weights = polar_rule(0.8, 6, 10)
-    mirrored = sorted(zip(theta.round(12), (-phi).round(12), weights.round(12), strict=True))
-    assert mirrored == sorted(zip(theta.round(12), phi.round(12), weights.round(12), strict=True))
+    alpha, beta, weights = polar_nodes(6, 10)
+    theta, phi = (
+        each.ravel() for each in about_pole(0.8, *np.meshgrid(alpha, beta, indexing="ij"))
+    )
+    mirrored = sorted(
+        zip(theta.round(12), (-phi).round(12), weights.ravel().round(12), strict=True)
+    )
+    assert mirrored == sorted(
+        zip(theta.round(12), phi.round(12), weights.ravel().round(12), strict=True)
+    )
+
+
+@pytest.mark.parametrize("theta", [0.2, 1.4])
+def test_polar_frame(theta: float) -> None:
+    degree = 7
+    random = np.random.default_rng(1)
+    coefficients = random.normal(size=(2, degree * degree))
+    rotation = polar_rotation(degree, theta)
+    assert_allclose(rotation @ rotation.T, np.eye(degree * degree), rtol=0, atol=1e-13)
+    alpha, beta, _ = polar_nodes(9, 14)
+    tables = polar_tables(degree, alpha, beta)
+    turned = jnp.asarray(coefficients @ rotation.T)
+
+    def exact(alpha: np.ndarray, beta: np.ndarray) -> np.ndarray:
+        points = about_pole(theta, *np.broadcast_arrays(alpha[:, None], beta))
+        harmonics = real_harmonics(degree, *(each.ravel() for each in points))
+        return (coefficients @ harmonics.T).reshape(2, alpha.size, beta.size)
+
+    values, down, across = tables.with_tangents(turned)
+    assert_allclose(values, exact(alpha, beta), rtol=0, atol=1e-12)
+    assert_allclose(tables.values(turned), values, rtol=0, atol=1e-13)
+    step = 1e-4
+    slope = (exact(alpha + step, beta) - exact(alpha - step, beta)) / (2 * step)
+    assert_allclose(down, slope, rtol=0, atol=1e-5)
+    slope = (exact(alpha, beta + step) - exact(alpha, beta - step)) / (2 * step)
+    assert_allclose(across, slope / np.sin(alpha)[:, None], rtol=0, atol=1e-5)
+    # The moments are the transpose of the values.
+    numbers = random.normal(size=(2, alpha.size, beta.size))
+    assert_allclose(
+        np.sum(np.asarray(tables.moments(jnp.asarray(numbers))) * turned),
+        np.sum(numbers * values),
+        rtol=1e-12,
+    )
+
+
+def test_unshift_is_the_transpose_of_shift() -> None:
+    random = np.random.default_rng(2)
+    coefficients, angles = random.normal(size=(3, 25)), jnp.array([0.0, 0.4, 2.0])
+    functionals = random.normal(size=(3, 3, 25))
+    shifted = shift_longitude(jnp.asarray(coefficients), angles)
+    back = unshift_longitude(jnp.asarray(np.swapaxes(functionals, 0, 1)), angles)
+    assert_allclose(
+        np.einsum("cak,ck->", back, coefficients),
+        np.einsum("ack,ack->", functionals, shifted),
+        rtol=1e-12,
+    )

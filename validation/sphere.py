@@ -71,7 +71,7 @@ def drag(ratio: float, period: float = PERIOD, degree: int = 16, **resolution: f
     held = np.linalg.lstsq(matrix, -undisturbed, rcond=1e-9)[0]
     free_velocity = -held[0] / moving[0]
     density = jnp.einsum("u,uik->ik", jnp.asarray(moving * free_velocity + held), basis)
-    flux = operator.tube.extra_flux(*operator.sources(shapes, density[None]))
+    flux = operator.tube.extra_flux(operator.sources(shapes, density[None]))
     return Drag(
         moving=moving[0] * unit / (6.0 * np.pi),
         held=-held[0] * unit / (12.0 * np.pi),

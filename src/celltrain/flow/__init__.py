@@ -2,6 +2,7 @@
 
 from celltrain.flow.ewald import EwaldSplit, ewald_split
 from celltrain.flow.own_surface import OwnSurfaceRule, own_surface_rule
+from celltrain.flow.sources import Sources
 from celltrain.flow.tube import PeriodicTube, periodic_tube
 from celltrain.flow.wall import TubeWall, tube_wall
 
@@ -9,6 +10,7 @@ __all__ = [
     "EwaldSplit",
     "OwnSurfaceRule",
     "PeriodicTube",
+    "Sources",
     "TubeWall",
     "ewald_split",
     "own_surface_rule",

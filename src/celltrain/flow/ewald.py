@@ -104,13 +104,35 @@ def near_slopes(
     return tail - core, -(3.0 * core + tail) * inverse_square
 
 
+def near_stress_scalars(
+    square: Float[Array, "..."], parameter: float
+) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
+    """a and b of the near stress kernel, from r^2.
+
+    T_near(d)_ijk = a (delta_ij d_k + delta_jk d_i + delta_ik d_j) + b d_i d_j d_k,
+    a = A'/r + C = 4 xi^3/sqrt(pi) exp(-xi^2 r^2),   b = 2 C'/r.
+
+    With xi -> 0, a -> 0 and b -> -6/r^5: the free stresslet of d = x - y.
+    """
+    screened, gauss, inverse_square = _near_parts(square, parameter)
+    linear = 2.0 * parameter**2 * gauss
+    core = (screened + gauss) * inverse_square
+    return linear, -2.0 * (3.0 * core + linear) * inverse_square
+
+
 def far_velocity_modes(
-    force_modes: tuple[Array, Array, Array],
+    force_modes: tuple[Array, Array, Array] | None,
+    stresslet_modes: tuple[Array, ...] | None,
     wave_vectors: tuple[Array, Array, Array],
     volume: Float[Array, ""],
     parameter: float,
 ) -> tuple[Array, Array, Array]:
-    """Far part of int G F dOmega/(8 pi) per wave vector, from the transform of the force.
+    """Far part of the velocity per wave vector, from the transforms of what drives it.
+
+    With g = (1 + k^2/4 xi^2) exp(-k^2/4 xi^2)/(V k^2), the force's transform F, and the transform D
+    of the symmetric dyads w n + n w (xx, xy, xz, yy, yz, zz),
+
+        u = g [(I - k k/k^2) (F - i D k) - i k tr(D)/2].
 
     The mode k = 0 is left out: the fluid outside the tube's wall balances the net force.
     """
@@ -119,6 +141,13 @@ def far_velocity_modes(
     safe = jnp.where(square > 0.0, square, 1.0)
     quarter = safe / (4.0 * parameter**2)
     symbol = jnp.where(square > 0.0, (1.0 + quarter) * jnp.exp(-quarter) / (volume * safe), 0.0)
-    fx, fy, fz = force_modes
-    along = (kx * fx + ky * fy + kz * fz) / safe
+    fx, fy, fz = force_modes if force_modes is not None else (0.0, 0.0, 0.0)
+    trace = 0.0
+    if stresslet_modes is not None:
+        xx, xy, xz, yy, yz, zz = stresslet_modes
+        fx = fx - 1j * (xx * kx + xy * ky + xz * kz)
+        fy = fy - 1j * (xy * kx + yy * ky + yz * kz)
+        fz = fz - 1j * (xz * kx + yz * ky + zz * kz)
+        trace = 0.5j * (xx + yy + zz)
+    along = (kx * fx + ky * fy + kz * fz) / safe + trace
     return symbol * (fx - kx * along), symbol * (fy - ky * along), symbol * (fz - kz * along)

@@ -1,10 +1,10 @@
-"""Sums of the near kernel over pairs of targets and source points, in bounded memory.
+"""Sums of the near kernels over pairs of targets and source points, in bounded memory.
 
 Targets come in groups, sources in blocks (one per cell). The sum runs over chunks of targets and,
 for each, over the blocks and their axial images; blocks out of the kernel's range are skipped, so
 the cost follows the number of close pairs and no array holds more than one chunk times one block.
 
-The derivative is given in closed form: with D_k G the derivative of the kernel,
+The derivative of the force's sum is given in closed form: with D_k G the derivative of the kernel,
 
     d sum_s G(x - y_s) f_s = sum_s G df_s - sum_s (D_k G f_s) (dy_sk - dx_k),
 
@@ -15,9 +15,10 @@ from functools import partial
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
-from celltrain.flow.ewald import near_scalars, near_slopes
+from celltrain.flow.ewald import near_scalars, near_slopes, near_stress_scalars
+from celltrain.flow.sources import UNFOLD, Sources
 
 CHUNK = 64
 
@@ -80,39 +81,83 @@ def _block_sum_jvp(parameter, primals, tangents):  # type: ignore[no-untyped-def
     return value, moved
 
 
+def stresslet_block_sum(
+    targets: Float[Array, "target 3"],
+    sources: Float[Array, "source 3"],
+    stresslets: Float[Array, "source 6"],
+    parameter: float,
+) -> Float[Array, "target 3"]:
+    """sum_s T_near(y_s - x)_ijk D_jk/2 for one chunk of targets and one block of sources.
+
+    D = w n + n w are symmetric dyads (xx, xy, xz, yy, yz, zz).
+    """
+    d, square = _differences(targets, sources)
+    linear, cubic = near_stress_scalars(square, parameter)
+    xx, xy, xz, yy, yz, zz = (stresslets[:, i] for i in range(6))
+    along = d[0] * (xx * d[0] + 2.0 * (xy * d[1] + xz * d[2]))
+    along = along + d[1] * (yy * d[1] + 2.0 * yz * d[2]) + zz * d[2] ** 2
+    scaled = 0.5 * (linear * (xx + yy + zz) + cubic * along)
+    x, y, z = (sources[:, i] for i in range(3))
+    turned = jnp.stack(
+        [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z]
+    )
+    dipole = linear @ jnp.concatenate([stresslets, turned.T], axis=1)
+    moment = scaled @ jnp.concatenate([sources, jnp.ones_like(sources[:, :1])], axis=1)
+    applied = jnp.einsum("tij,tj->ti", dipole[:, UNFOLD], targets) - dipole[:, 6:]
+    # T(y - x) = -T(x - y).
+    return moment[:, :3] - targets * moment[:, 3:] - applied
+
+
 def near_sum(
     targets: Float[Array, "group target 3"],
     owners: Int[Array, " group"],
-    sources: Float[Array, "cell source 3"],
-    strengths: Float[Array, "cell source 3"],
+    sources: Sources,
     *,
     parameter: float,
     cutoff: float,
     period: Float[Array, ""],
     images: int,
+    keep: Bool[Array, "image group target cell"] | None = None,
 ) -> Float[Array, "image group target 3"]:
     """Near sums of every axial image p = -images .. images of the sources, one by one.
 
     **Arguments:** `owners`: the cell on whose surface a group of targets lies, -1 for none; the
     block of a group's own cell is left out (its integral is singular). Image p of a source is
-    displaced by p * `period` along the tube.
+    displaced by p * `period` along the tube. Where `keep` is false, that cell's contribution is
+    left out.
     """
     groups, count, _ = targets.shape
     chunks = -(-count // CHUNK)
-    padding = chunks * CHUNK - count
+    padding = ((0, 0), (0, chunks * CHUNK - count))
     # Padding repeats the last target of the group: harmless for the chunk's axial extent.
-    padded = jnp.pad(targets, ((0, 0), (0, padding), (0, 0)), mode="edge")
+    padded = jnp.pad(targets, (*padding, (0, 0)), mode="edge")
     padded = padded.reshape(groups * chunks, CHUNK, 3)
     chunk_owners = jnp.repeat(owners, chunks)
     shifts = jnp.arange(-images, images + 1)
-    low, high = jnp.min(sources[..., 2], axis=1), jnp.max(sources[..., 2], axis=1)
-    cells = jnp.arange(sources.shape[0])
+    cells = jnp.arange(sources.cells)
+    points = sources.points.reshape(sources.cells, -1, 3)
+    low, high = jnp.min(points[..., 2], axis=1), jnp.max(points[..., 2], axis=1)
+    if keep is not None:
+        keep = jnp.pad(keep, ((0, 0), *padding, (0, 0)))
+        keep = keep.reshape(shifts.size, groups * chunks, CHUNK, sources.cells)
+        keep = jnp.moveaxis(keep, 1, 0)
 
-    def of_chunk(chunk: tuple[Array, Array]) -> Float[Array, "image target 3"]:
-        points, owner = chunk
-        bottom, top = jnp.min(points[:, 2]), jnp.max(points[:, 2])
+    def block(targets: Array, cell: Array) -> Array:
+        total = jnp.zeros_like(targets)
+        if sources.forces is not None:
+            strengths = sources.forces.reshape(sources.cells, -1, 3)
+            total = total + block_sum(targets, points[cell], strengths[cell], parameter)
+        if sources.stresslets is not None:
+            dyads = sources.stresslets.reshape(sources.cells, -1, 6)
+            total = total + stresslet_block_sum(targets, points[cell], dyads[cell], parameter)
+        return total
 
-        def of_image(shift: Int[Array, ""]) -> Float[Array, "target 3"]:
+    def of_chunk(chunk: tuple[Array, Array, Array | None]) -> Float[Array, "image target 3"]:
+        here, owner, kept = chunk
+        bottom, top = jnp.min(here[:, 2]), jnp.max(here[:, 2])
+
+        def of_image(image: tuple[Array, Array | None]) -> Float[Array, "target 3"]:
+            shift, wanted = image
             offset = shift * period
 
             def add(total: Array, cell: Array) -> tuple[Array, None]:
@@ -122,15 +167,18 @@ def near_sum(
                 is_own = (owner == cell) & (shift == 0)
 
                 def with_block(total: Array) -> Array:
-                    moved = points - jnp.array([0.0, 0.0, 1.0]) * offset
-                    return total + block_sum(moved, sources[cell], strengths[cell], parameter)
+                    moved = here - jnp.array([0.0, 0.0, 1.0]) * offset
+                    part = block(moved, cell)
+                    if wanted is not None:
+                        part = jnp.where(wanted[:, cell, None], part, 0.0)
+                    return total + part
 
                 return jax.lax.cond(in_range & ~is_own, with_block, lambda t: t, total), None
 
-            return jax.lax.scan(add, jnp.zeros_like(points), cells)[0]
+            return jax.lax.scan(add, jnp.zeros_like(here), cells)[0]
 
-        return jax.lax.map(of_image, shifts)
+        return jax.lax.map(of_image, (shifts, kept))
 
-    summed = jax.lax.map(of_chunk, (padded, chunk_owners))
+    summed = jax.lax.map(of_chunk, (padded, chunk_owners, keep))
     summed = jnp.moveaxis(summed, 1, 0).reshape(2 * images + 1, groups, chunks * CHUNK, 3)
     return summed[:, :, :count]

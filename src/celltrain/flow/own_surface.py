@@ -1,8 +1,8 @@
-"""Velocity on a surface by the singular near kernel of its own force.
+"""Velocity on a surface by the singular near kernels of its own force and of its own motion.
 
 For each target the surface is integrated in polar coordinates about it, where the area element
-cancels the kernel's 1/r. Targets are the points of a product grid; those of one ring share one
-matrix of harmonics at their nodes, since shifting the coefficients in longitude brings each of them
+cancels the kernels' 1/r. Targets are the points of a product grid; those of one ring share one
+rotation of the parameter sphere, since shifting the coefficients in longitude brings each of them
 to phi = 0.
 """
 
@@ -14,16 +14,27 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.flow.ewald import near_scalars
-from celltrain.harmonics import polar_rule, real_harmonics, shift_longitude
+from celltrain.flow.ewald import near_scalars, near_stress_scalars
+from celltrain.flow.sources import SYMMETRIC, UNFOLD
+from celltrain.harmonics import (
+    PolarTables,
+    polar_nodes,
+    polar_rotation,
+    polar_tables,
+    shift_longitude,
+    unshift_longitude,
+)
+
+Kernel = Float[Array, "cell ring azimuth 3 3 coefficient"]
 
 
 class OwnSurfaceRule(eqx.Module):
     """Polar quadrature about the rings of a target grid."""
 
     parameter: float = eqx.field(static=True)
-    nodes: Float[Array, "ring node coefficient"]
-    weights: Float[Array, " node"]
+    rotations: Float[Array, "ring coefficient coefficient"]
+    tables: PolarTables
+    weights: Float[Array, "radial azimuthal"]
 
     def velocity(
         self,
@@ -41,25 +52,94 @@ class OwnSurfaceRule(eqx.Module):
         shifted = shift_longitude(both, longitudes)
 
         def of_ring(ring: tuple[Array, Array]) -> Float[Array, "cell azimuth 3"]:
-            matrix, points = ring
-            values = jnp.einsum("nk,acik->ican", matrix, shifted)
-            d = [points[..., i, None] - values[i] for i in range(3)]
+            rotation, points = ring
+            turned = jnp.einsum("kl,acil->icak", rotation, shifted)
+            values = self.tables.values(turned)
+            d = [points[..., i, None, None] - values[i] for i in range(3)]
             force = values[3:] * self.weights
             isotropic, dyadic = near_scalars(d[0] ** 2 + d[1] ** 2 + d[2] ** 2, self.parameter)
             along = dyadic * (d[0] * force[0] + d[1] * force[1] + d[2] * force[2])
-            parts = [jnp.sum(isotropic * force[i] + d[i] * along, axis=-1) for i in range(3)]
+            parts = [jnp.sum(isotropic * force[i] + d[i] * along, axis=(-2, -1)) for i in range(3)]
             return jnp.stack(parts, axis=-1)
 
-        by_ring = jax.lax.map(of_ring, (self.nodes, jnp.moveaxis(targets, 1, 0)))
+        by_ring = jax.lax.map(of_ring, (self.rotations, jnp.moveaxis(targets, 1, 0)))
         return jnp.moveaxis(by_ring, 0, 1) / (8.0 * math.pi)
+
+    def double_layer(
+        self,
+        targets: Float[Array, "cell ring azimuth 3"],
+        longitudes: Float[Array, " azimuth"],
+        shapes: Float[Array, "cell 3 coefficient"],
+    ) -> tuple[Kernel, Kernel]:
+        """Matrices from the coefficients of w to (1/8 pi) PV int T_ijk(y - x) w_j n_k dS.
+
+        **Returns:** that of the near kernel, and that of the kernel in free space, in which the
+        integral of a constant w is -w/2 exactly: the rule's error for the free kernel and w = w(x)
+        is taken from both, which leaves integrands without a singularity.
+        """
+        shifted = shift_longitude(shapes, longitudes)
+
+        def of_ring(ring: tuple[Array, Array]) -> tuple[Array, Array]:
+            rotation, points = ring
+            turned = jnp.einsum("kl,acil->icak", rotation, shifted)
+            values, down, round_ = self.tables.with_tangents(turned)
+            d = [points[..., i, None, None] - values[i] for i in range(3)]
+            normal = [
+                down[1] * round_[2] - down[2] * round_[1],
+                down[2] * round_[0] - down[0] * round_[2],
+                down[0] * round_[1] - down[1] * round_[0],
+            ]
+            square = d[0] ** 2 + d[1] ** 2 + d[2] ** 2
+            through = (d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2]) * self.weights
+            weighted = [each * self.weights for each in normal]
+            linear, cubic = near_stress_scalars(square, self.parameter)
+            # Signs of T(y - x) = -T(x - y).
+            free = (6.0 / square**2) * (through * jax.lax.rsqrt(square))
+            cubic = -cubic * through
+            near = jnp.stack(
+                [
+                    cubic * d[i] * d[j]
+                    - linear * (weighted[i] * d[j] + weighted[j] * d[i])
+                    - (linear * through if i == j else 0.0)
+                    for i, j in SYMMETRIC
+                ]
+            )
+            alone = jnp.stack([free * d[i] * d[j] for i, j in SYMMETRIC])
+            scale = 1.0 / (8.0 * math.pi)
+            error = -0.5 * jnp.array([float(i == j) for i, j in SYMMETRIC])[:, None, None]
+            error = error - scale * jnp.sum(alone, axis=(-2, -1))
+            at_target = jnp.einsum("sca,k->scak", error, self._at_pole())
+
+            def finished(kernel: Array) -> Array:
+                moments = scale * self.tables.moments(kernel) + at_target
+                return unshift_longitude(moments @ rotation, longitudes)
+
+            return finished(near), finished(alone)
+
+        by_ring = jax.lax.map(of_ring, (self.rotations, jnp.moveaxis(targets, 1, 0)))
+
+        def arranged(kernel: Float[Array, "ring 6 cell azimuth coefficient"]) -> Kernel:
+            return jnp.transpose(kernel[:, UNFOLD], (3, 0, 4, 1, 2, 5))
+
+        return arranged(by_ring[0]), arranged(by_ring[1])
+
+    def _at_pole(self) -> Float[Array, " coefficient"]:
+        """Harmonics at the pole: those of order 0, where they are sqrt((2 n + 1)/(4 pi))."""
+        count = self.rotations.shape[-1]
+        n = np.arange(math.isqrt(count))
+        values = np.zeros(count)
+        values[n * n + n] = np.sqrt((2 * n + 1) / (4.0 * np.pi))
+        return jnp.asarray(values)
 
 
 def own_surface_rule(
     degree: int, theta: Float[np.ndarray, " ring"], *, radial: int, azimuthal: int, parameter: float
 ) -> OwnSurfaceRule:
-    """Rule with `radial` x `azimuthal` nodes about each ring's target at phi = 0."""
-    matrices, weights = [], np.empty(0)
-    for each in theta:
-        node_theta, node_phi, weights = polar_rule(float(each), radial, azimuthal)
-        matrices.append(real_harmonics(degree, node_theta, node_phi))
-    return OwnSurfaceRule(parameter, jnp.asarray(np.stack(matrices)), jnp.asarray(weights))
+    """Rule with `radial` x `azimuthal` nodes about the targets of the given rings."""
+    alpha, beta, weights = polar_nodes(radial, azimuthal)
+    return OwnSurfaceRule(
+        parameter=parameter,
+        rotations=jnp.asarray(np.stack([polar_rotation(degree, float(each)) for each in theta])),
+        tables=polar_tables(degree, alpha, beta),
+        weights=jnp.asarray(weights),
+    )

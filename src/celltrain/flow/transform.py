@@ -32,7 +32,7 @@ PointSet = Float[Array, "_ _ 3"]
 
 
 class Transform(eqx.Module):
-    """Transform between points and the modes of one box; modes are arrays [3, *mode]."""
+    """Transform between points and the modes of one box; modes are arrays [part, *mode]."""
 
     @abc.abstractmethod
     def wave_vectors(self) -> tuple[Array, Array, Array]:
@@ -46,10 +46,8 @@ class Transform(eqx.Module):
     def _synthesise(self, points: Sequence[PointSet], modes: Array) -> tuple[Array, ...]:
         """Sums [component, ring, azimuth] of modes [component, *mode] for each set of points."""
 
-    def analyse(self, points: Points, strengths: Float[Array, "ring azimuth 3"]) -> Array:
-        """Modes [3, *mode] of real strengths at the points, differentiable in both."""
-        wave_vectors = self.wave_vectors()
-
+    def analyse(self, points: Points, strengths: Float[Array, "ring azimuth part"]) -> Array:
+        """Modes [part, *mode] of real strengths at the points, differentiable in both."""
         @jax.custom_jvp
         def transform(points: Points, strengths: Array) -> Array:
             return self._analyse(points, jnp.moveaxis(strengths, -1, 0))
@@ -59,12 +57,13 @@ class Transform(eqx.Module):
             points, strengths = primals
             d_points, d_strengths = tangents
             dipoles = strengths[..., None, :] * d_points[..., :, None]
+            parts = strengths.shape[-1]
             sources = jnp.concatenate([d_strengths[..., None, :], dipoles], axis=-2)
-            sources = jnp.moveaxis(sources.reshape(*points.shape[:2], 12), -1, 0)
+            sources = jnp.moveaxis(sources.reshape(*points.shape[:2], 4 * parts), -1, 0)
             moved = self._analyse(points, sources)
-            moved = moved.reshape(4, 3, *moved.shape[1:])
+            moved = moved.reshape(4, parts, *moved.shape[1:])
             change = moved[0]
-            for component, part in zip(wave_vectors, moved[1:], strict=True):
+            for component, part in zip(self.wave_vectors(), moved[1:], strict=True):
                 change = change - 1j * component * part
             return transform(points, strengths), change
 
@@ -75,8 +74,6 @@ class Transform(eqx.Module):
 
         Those of rings are complex, with an imaginary part of roundoff unless there is a shift.
         """
-        wave_vectors = self.wave_vectors()
-
         @jax.custom_jvp
         def transform(points: tuple[PointSet, ...], modes: Array) -> tuple[Array, ...]:
             return tuple(jnp.moveaxis(u, 0, -1) for u in self._synthesise(points, modes))
@@ -85,7 +82,7 @@ class Transform(eqx.Module):
         def derivative(primals, tangents):  # type: ignore[no-untyped-def]
             points, modes = primals
             d_points, d_modes = tangents
-            slopes = jnp.concatenate([1j * component * modes for component in wave_vectors])
+            slopes = jnp.concatenate([1j * component * modes for component in self.wave_vectors()])
             gradients = self._synthesise(points, slopes)
             changes = transform(points, d_modes)
             moved = []

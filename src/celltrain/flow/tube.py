@@ -1,13 +1,16 @@
-"""Stokes flow in a periodic round tube driven by force densities and a fixed flow rate.
+"""Stokes flow in a periodic round tube driven by surface densities and a fixed flow rate.
 
-    u(x) = (1/8 pi) sum_s G_tube(x, y_s) f_s + 2 (1 - r^2/R^2) (1 - Q0/(pi R^2)) e_z,
+    u(x) = (1/8 pi) sum_s [ G_tube(x, y_s) f_s + T_tube(x, y_s) D_s/2 ]
+           + 2 (1 - r^2/R^2) (1 - Q0/(pi R^2)) e_z,
 
 in units of U and mu. G_tube is the periodic Stokeslet (Ewald) minus the regular flow that cancels
-it on the wall; Q0 is the flux of the first term, by reciprocity
+it on the wall, T_tube its stress; D = w n + n w (see `Sources`). Q0 is the flux of the first term,
+by reciprocity
 
-    L Q0 = sum_s f_z [ (R^2 - r_s^2)/4 - pi R^4/(8 W^2) ],   W the width of the box,
+    L Q0 = sum_s f_z [ (R^2 - r_s^2)/4 - pi R^4/(8 W^2) ] - (D_zx x_s + D_zy y_s)/2 + tr(D) z_s/2,
 
-whose second part, for a net force, belongs to the k = 0 mode that the Ewald sum leaves out. The
+W the width of the box. The constant, for a net force, belongs to the k = 0 mode that the Ewald sum
+leaves out; the last term is the flux of the sources w.n that a double layer has on its surface. The
 bracket 1 - Q0/(pi R^2) is the pressure drop relative to that of plasma alone, the effective
 viscosity.
 """
@@ -20,6 +23,7 @@ from jaxtyping import Array, Complex, Float, Int
 
 from celltrain.flow.ewald import EwaldSplit, ewald_split, far_velocity_modes
 from celltrain.flow.near import near_sum
+from celltrain.flow.sources import Sources
 from celltrain.flow.transform import (
     RingTransform,
     Transform,
@@ -49,52 +53,46 @@ class PeriodicTube(eqx.Module):
         """Radius of the tube, in r0."""
         return self.wall.radius
 
-    def extra_flux(
-        self,
-        sources: Float[Array, "cell ring azimuth 3"],
-        strengths: Float[Array, "cell ring azimuth 3"],
-    ) -> Float[Array, ""]:
-        """Q0/(pi R^2): mean velocity, in U, that the forces give without a pressure drop."""
-        square = jnp.sum(sources[..., :2] ** 2, axis=-1)
-        uniform = math.pi * self.radius**4 / (8.0 * self.split.width**2)
-        weight = (self.radius**2 - square) / 4.0 - uniform
-        flux = jnp.sum(strengths[..., 2] * weight) / self.wall.period
-        return flux / (math.pi * self.radius**2)
+    def extra_flux(self, sources: Sources) -> Float[Array, ""]:
+        """Q0/(pi R^2): mean velocity, in U, that the sources give without a pressure drop."""
+        x, y, z = (sources.points[..., i] for i in range(3))
+        flux = jnp.zeros(())
+        if sources.forces is not None:
+            uniform = math.pi * self.radius**4 / (8.0 * self.split.width**2)
+            weight = (self.radius**2 - x**2 - y**2) / 4.0 - uniform
+            flux = flux + jnp.sum(sources.forces[..., 2] * weight)
+        if sources.stresslets is not None:
+            xx, _, xz, yy, yz, zz = (sources.stresslets[..., i] for i in range(6))
+            # Each cell's sources add up to nothing: heights from its centre lose no digits.
+            height = z - jnp.mean(z, axis=(1, 2), keepdims=True)
+            flux = flux + 0.5 * jnp.sum((xx + yy + zz) * height - xz * x - yz * y)
+        return flux / (self.wall.period * math.pi * self.radius**2)
 
     def velocity(
         self,
         targets: Float[Array, "group ring azimuth 3"],
         owners: Int[Array, " group"],
-        sources: Float[Array, "cell source_ring source_azimuth 3"],
-        strengths: Float[Array, "cell source_ring source_azimuth 3"],
+        sources: Sources,
+        *,
+        mean_flow: bool = True,
     ) -> Float[Array, "group ring azimuth 3"] | Complex[Array, "group ring azimuth 3"]:
         """Velocity at points in the fluid or on cells, in U.
 
         **Arguments:** `owners`: cell on which each group of targets lies, -1 for points off the
-        cells. The near kernel of a group's own cell is left out: see `OwnSurfaceRule`. `strengths`
-        are forces, in mu U r0.
+        cells. The near kernels of a group's own cell are left out: see `OwnSurfaceRule`. Without
+        `mean_flow` the mean velocity is 0 instead of 1, which makes the velocity linear in the
+        sources.
         """
         wall_points = self.wall.points()
         groups = targets.shape[:3]
         ring_shape = (-1, groups[2], 3)
         flat_targets = targets.reshape(ring_shape)
-        flat_sources = sources.reshape(-1, *sources.shape[2:])
-        force_modes = self.transform.analyse(flat_sources, strengths.reshape(flat_sources.shape))
-        volume = self.split.width**2 * self.wall.period
-        velocity_modes = jnp.stack(
-            far_velocity_modes(
-                (force_modes[0], force_modes[1], force_modes[2]),
-                self.transform.wave_vectors(),
-                volume,
-                self.split.parameter,
-            )
+        far, at_wall = self.transform.synthesise(
+            [flat_targets, wall_points], self._far_modes(sources)
         )
-        far, at_wall = self.transform.synthesise([flat_targets, wall_points], velocity_modes)
         loose = wall_points.reshape(1, -1, 3)
-        at_wall = at_wall + self._near(loose, jnp.array([-1]), sources, strengths).reshape(
-            wall_points.shape
-        )
-        near = self._near(targets.reshape(groups[0], -1, 3), owners, sources, strengths)
+        at_wall = at_wall + self._near(loose, jnp.array([-1]), sources).reshape(wall_points.shape)
+        near = self._near(targets.reshape(groups[0], -1, 3), owners, sources)
         regular = self.wall.regular_flow(at_wall.astype(complex))
         if isinstance(self.transform, RingTransform):
             reflected = self.wall.at_rings(flat_targets, regular)
@@ -103,19 +101,33 @@ class PeriodicTube(eqx.Module):
         total = near.reshape(targets.shape) + (far - reflected).reshape(targets.shape)
         square = jnp.sum(targets[..., :2] ** 2, axis=-1)
         profile = 2.0 * (1.0 - square / self.radius**2)
-        driven = profile * (1.0 - self.extra_flux(sources, strengths))
+        driven = profile * (float(mean_flow) - self.extra_flux(sources))
         if self.quasi_periodic:
             return total.at[..., 2].add(jnp.where(self.wall.shift == 0.0, driven, 0.0))
         return total.real.at[..., 2].add(driven)
 
-    def _near(self, targets: Array, owners: Array, sources: Array, strengths: Array) -> Array:
+    def _far_modes(self, sources: Sources) -> Array:
+        """Far velocity [3, *mode]."""
+        points = sources.points.reshape(-1, *sources.points.shape[2:])
+        parts = [each for each in (sources.forces, sources.stresslets) if each is not None]
+        strengths = jnp.concatenate(parts, axis=-1).reshape(*points.shape[:2], -1)
+        modes = tuple(self.transform.analyse(points, strengths))
+        return jnp.stack(
+            far_velocity_modes(
+                modes[:3] if sources.forces is not None else None,
+                modes[-6:] if sources.stresslets is not None else None,
+                self.transform.wave_vectors(),
+                self.split.width**2 * self.wall.period,
+                self.split.parameter,
+            )
+        )
+
+    def _near(self, targets: Array, owners: Array, sources: Sources) -> Array:
         """Near sums over all images, [group, target, 3]."""
-        cells = sources.shape[0]
         by_image = near_sum(
             targets,
             owners,
-            sources.reshape(cells, -1, 3),
-            strengths.reshape(cells, -1, 3),
+            sources,
             parameter=self.split.parameter,
             cutoff=self.split.cutoff,
             period=self.wall.period,

@@ -7,17 +7,34 @@ from celltrain.harmonics.basis import (
     harmonic_tables,
     real_harmonics,
     shift_longitude,
+    unshift_longitude,
 )
-from celltrain.harmonics.grid import SphereGrid, polar_rule, sphere_grid
+from celltrain.harmonics.grid import SphereGrid, sphere_grid
+from celltrain.harmonics.polar import (
+    PolarTables,
+    about_pole,
+    polar_nodes,
+    polar_rotation,
+    polar_tables,
+)
+from celltrain.harmonics.rotation import PoleRotation, pole_rotation, turn_longitude
 
 __all__ = [
     "HarmonicTables",
+    "PolarTables",
+    "PoleRotation",
     "SphereGrid",
+    "about_pole",
     "coefficient_index",
     "degrees_and_orders",
     "harmonic_tables",
-    "polar_rule",
+    "polar_nodes",
+    "polar_rotation",
+    "polar_tables",
+    "pole_rotation",
     "real_harmonics",
     "shift_longitude",
     "sphere_grid",
+    "turn_longitude",
+    "unshift_longitude",
 ]

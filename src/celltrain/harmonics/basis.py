@@ -136,3 +136,14 @@ def shift_longitude(
     # cos(m (phi + a)) = cos(m a) cos(m phi) - sin(m a) sin(m phi), and the like for the sine.
     turn = angles.reshape((-1,) + (1,) * coefficients.ndim) * jnp.asarray(order)
     return jnp.cos(turn) * coefficients + jnp.sin(turn) * coefficients[..., partner]
+
+
+def unshift_longitude(
+    functionals: Float[Array, "*batch angle coefficient"], angles: Float[Array, " angle"]
+) -> Float[Array, "*batch angle coefficient"]:
+    """Transpose of `shift_longitude`: what acts on x(theta, phi + angle), as acting on x."""
+    count = functionals.shape[-1]
+    n, order = degrees_and_orders(math.isqrt(count))
+    partner = n * n + n - order
+    turn = angles[:, None] * jnp.asarray(order)
+    return jnp.cos(turn) * functionals - jnp.sin(turn) * functionals[..., partner]

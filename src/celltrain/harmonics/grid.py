@@ -1,4 +1,4 @@
-"""Quadrature on the unit sphere: product grids, and rules about a target point."""
+"""Quadrature on the unit sphere: product grids."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -48,32 +48,3 @@ def sphere_grid(degree: int, order: int) -> SphereGrid:
         weights=jnp.asarray(np.repeat(gauss[::-1], 2 * order) * np.pi / order),
         values=jnp.asarray(real_harmonics(degree, all_theta, all_phi)),
     )
-
-
-def polar_rule(
-    theta: float, radial: int, azimuthal: int
-) -> tuple[Float[np.ndarray, " node"], Float[np.ndarray, " node"], Float[np.ndarray, " node"]]:
-    """Quadrature about the point (theta, phi = 0) taken as the pole of a rotated sphere.
-
-    With alpha the angle from that point, the area element sin(alpha) dalpha dbeta cancels a
-    singularity 1/alpha. Gauss-Legendre in alpha, uniform in beta (half a step off the plane of
-    symmetry, so that the rule is symmetric and no node repeats).
-
-    Returns colatitudes, longitudes, and weights of solid angle, each [radial * azimuthal].
-    """
-    nodes, gauss = np.polynomial.legendre.leggauss(radial)
-    alpha, beta = np.meshgrid(
-        0.5 * np.pi * (nodes + 1.0),
-        (np.arange(azimuthal) + 0.5) * 2 * np.pi / azimuthal,
-        indexing="ij",
-    )
-    weight = (0.5 * np.pi * gauss)[:, None] * np.sin(alpha) * (2 * np.pi / azimuthal)
-    across, along, up = (
-        np.sin(alpha) * np.cos(beta),
-        np.sin(alpha) * np.sin(beta),
-        np.cos(alpha),
-    )
-    x = np.cos(theta) * across + np.sin(theta) * up
-    z = np.cos(theta) * up - np.sin(theta) * across
-    node_theta = np.arctan2(np.hypot(x, along), z)
-    return node_theta.ravel(), np.arctan2(along, x).ravel(), weight.ravel()

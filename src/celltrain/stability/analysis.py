@@ -48,14 +48,9 @@ def _unit(vector: Float[np.ndarray, " size"]) -> Float[np.ndarray, " size"]:
 def check_linearisable(train: Train, azimuthal_numbers: Sequence[int] | None) -> None:
     """See to it that the linear dynamics of a train can be had, before anything is computed.
 
-    **Raises:** `CaseError` for a viscosity ratio other than 1 or an azimuthal number out of range.
+    **Raises:** `CaseError` for an azimuthal number out of range.
     """
-    ratio, degree = train.flow.viscosity_ratio, train.resolution.degree
-    if ratio != 1.0:
-        raise CaseError(
-            f"viscosity_ratio = {ratio:g} is not allowed for a stability analysis: allowed is 1"
-            " (the steady train itself does not depend on it)"
-        )
+    degree = train.resolution.degree
     if azimuthal_numbers is None:
         return
     wrong = [m for m in azimuthal_numbers if not isinstance(m, int) or not 0 <= m <= degree]
@@ -86,7 +81,7 @@ def stability(
 
     **Returns:** a `Stability`.
 
-    **Raises:** `CaseError` for a viscosity ratio other than 1 or an azimuthal number out of range.
+    **Raises:** `CaseError` for an azimuthal number out of range.
     """
     begin = time.perf_counter()
     train = base.train

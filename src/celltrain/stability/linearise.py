@@ -8,6 +8,14 @@ and m. With u = K[x, y] F(y), x the targets and y the sources,
 
 in which only the last part depends on q. One derivative carries all m at once, since the answers
 separate: 3 M directions give everything. Directions are taken in batches of bounded size.
+
+That is for a viscosity ratio lam of 1. For any other, u solves B(s) u = v(s), with
+B = (1 + lam)/2 - (1 - lam) K (see `InteriorFlow`). In a steady train u is a rigid motion, and B u =
+u for rigid motions whatever the shape, so dB u = 0 and the dynamics is
+
+    A_m(q; lam) = B_m(q)^-1 A_m(q; 1),
+
+one more small matrix for each q and m.
 """
 
 from collections.abc import Callable, Sequence
@@ -123,6 +131,20 @@ def _wave_part(
 
 
 @eqx.filter_jit
+def _interior_part(
+    operator: TrainOperator, shape: Float[Array, "3 coefficient"], directions: Directions
+) -> Complex[Array, "direction 3 coefficient"]:
+    """K u for motions u of each cell that change by exp(i q) from one cell to the next."""
+    shapes = shape[None]
+    interior, outer = operator.interior_flow(shapes), operator.outer_motion(shapes)
+
+    def flow(motion: Array) -> Array:
+        return interior.apply(outer, motion[None])[0]
+
+    return jax.lax.map(flow, directions, batch_size=BATCH)
+
+
+@eqx.filter_jit
 def _conserve(
     operator: TrainOperator, shape: Float[Array, "3 coefficient"], changes: Array
 ) -> Array:
@@ -167,7 +189,20 @@ def linear_blocks(
     # Whole batches only: a remainder would be compiled as a second program.
     missing = -len(directions) % BATCH
     base, steps = jnp.asarray(shape), jnp.pad(directions, ((0, missing), (0, 0), (0, 0)))
+    ratio = train.flow.viscosity_ratio
+    train = train.changed(viscosity_ratio=1.0)
     seconds = {} if seconds is None else seconds
+
+    def assembled(answers: Array) -> dict[int, Complex[np.ndarray, "size size"]]:
+        """Matrix for each m from what the combined directions give."""
+        parts = {m: np.zeros((len(basis),) * 2, dtype=complex) for m, basis in bases.items()}
+        for answer, members in zip(np.asarray(answers), contents, strict=False):
+            for m, column in members:
+                parity = _mirror_parity(degree, m)
+                part = np.einsum("uik,ik->u", bases[m], answer)
+                parts[m][:, column] = np.where(parity == parity[column], part, 0.0)
+        return parts
+
     with timed(seconds, "linearise"):
         fixed, force_changes, turned = jax.block_until_ready(
             _fixed_part(train_operator(train), base, steps)
@@ -176,12 +211,14 @@ def linear_blocks(
         with timed(seconds, "linearise"):
             operator = train_operator(train, wave_number=float(q))
             changes = _wave_part(operator, base, steps, force_changes)
-            answers = np.asarray(_conserve(operator, base, fixed + changes) + turned)
-        for answer, members in zip(answers, contents, strict=False):
-            for m, column in members:
-                parity = _mirror_parity(degree, m)
-                part = np.einsum("uik,ik->u", bases[m], answer)
-                blocks[m][wave, :, column] = np.where(parity == parity[column], part, 0.0)
+            matrices = assembled(_conserve(operator, base, fixed + changes) + turned)
+            if ratio != 1.0:
+                interior = assembled(_interior_part(operator, base, steps))
+        for m, matrix in matrices.items():
+            if ratio != 1.0:
+                equation = 0.5 * (1.0 + ratio) * np.eye(len(matrix)) - (1.0 - ratio) * interior[m]
+                matrix = np.linalg.solve(equation, matrix)
+            blocks[m][wave] = matrix
         if progress is not None:
             progress(wave + 1, len(wave_numbers))
     return blocks

@@ -87,6 +87,8 @@ class SteadySystem(eqx.Module):
 def steady_system(train: Train) -> SteadySystem:
     """The steady equations of a train."""
     basis = axisymmetric_basis(train.resolution.degree)
+    # Cells in steady motion move rigidly: their viscosity plays no part.
+    train = train.changed(viscosity_ratio=1.0)
     return SteadySystem(
         operator=train_operator(train, meridian=True),
         basis=jnp.asarray(basis[1:]),

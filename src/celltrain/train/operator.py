@@ -13,35 +13,75 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.flow import OwnSurfaceRule, PeriodicTube, own_surface_rule, periodic_tube
-from celltrain.harmonics import SphereGrid, sphere_grid
+from celltrain.flow import OwnSurfaceRule, PeriodicTube, Sources, own_surface_rule, periodic_tube
+from celltrain.flow.sources import SYMMETRIC
+from celltrain.harmonics import SphereGrid, harmonic_tables, sphere_grid
 from celltrain.membrane import Membrane, make_membrane, reference_coefficients
 from celltrain.membrane.laws import make_law
 from celltrain.parameters import Resolution, Train
+from celltrain.train.interior import InteriorFlow, Outer, interior_flow
 
 Shapes = Float[Array, "cell 3 coefficient"]
 
 # Largest axial distance of a membrane from its cell's centre for which images are counted.
 HALF_LENGTH = 2.5
+# Iterations of GMRES before a restart; what bounds them is in `InteriorFlow`.
+SOLVER_ITERATIONS = 30
+# Residual of that equation relative to the tolerance of the sums in it.
+SOLVER_TOLERANCE = 0.1
 
 
 class TrainOperator(eqx.Module):
     """Rates of change of the shapes in one period of a train.
 
     With `meridian`, shapes must be axisymmetric, and the velocity is computed on one meridian only.
+    `viscosity_ratio` is absent if it is 1, and with it the double layer.
     """
 
     membrane: Membrane
     tube: PeriodicTube
     own_rule: OwnSurfaceRule
     source_grid: SphereGrid
+    source_tangents: Float[Array, "2 point coefficient"]
     target_grid: SphereGrid
+    viscosity_ratio: Float[Array, ""] | None
+    solver_tolerance: float = eqx.field(static=True)
     meridian: bool = eqx.field(static=True)
 
     def rates(self, shapes: Shapes) -> Shapes:
-        """v(s) = ds/dt, in U."""
+        """v(s) = ds/dt, in U; not a number if the flow inside the cells could not be solved for."""
+        free_rates = self.free_rates(shapes)
+        if self.viscosity_ratio is None:
+            return free_rates
+        return self.interior_flow(shapes).solve(
+            self.outer_motion(shapes),
+            self.viscosity_ratio,
+            free_rates,
+            tolerance=self.solver_tolerance,
+            iterations=SOLVER_ITERATIONS,
+        )
+
+    def free_rates(self, shapes: Shapes) -> Shapes:
+        """The rates that the same membranes would have at a viscosity ratio of 1."""
         velocity = self.surface_velocity(shapes, self.forces(shapes))
         return self.conserve_volume(shapes, self.project(velocity))
+
+    def interior_flow(self, shapes: Shapes) -> InteriorFlow:
+        """The part of the flow that the cells' motion drives, if their viscosity differs."""
+        longitudes = self.target_grid.phi
+        kernels = self.own_rule.double_layer(self.targets(shapes), longitudes, shapes)
+        gradients = jax.vmap(self.membrane.volume_gradient)(shapes)
+        return interior_flow(kernels, self.target_grid.projection, shapes, gradients)
+
+    def outer_motion(self, shapes: Shapes) -> Outer:
+        """What cells' motions give through other cells, images and the wall, as rates."""
+        targets, owners = self.targets(shapes), jnp.arange(shapes.shape[0])
+
+        def outer(motions: Shapes) -> Array:
+            sources = self.motion_sources(shapes, motions)
+            return self.project(self.tube.velocity(targets, owners, sources, mean_flow=False))
+
+        return outer
 
     def surface_velocity(
         self, shapes: Shapes, forces: Shapes
@@ -63,15 +103,26 @@ class TrainOperator(eqx.Module):
             values = values[:, :1]
         return jnp.einsum("rak,cik->crai", values, shapes)
 
-    def sources(
-        self, shapes: Shapes, forces: Shapes
-    ) -> tuple[Float[Array, "cell ring azimuth 3"], Float[Array, "cell ring azimuth 3"]]:
-        """Points of the source grid and the point forces there, in r0 and mu U r0."""
+    def sources(self, shapes: Shapes, forces: Shapes) -> Sources:
+        """Points of the source grid and the point forces there."""
         grid = self.source_grid
         shape = (shapes.shape[0], grid.rings, grid.azimuths, 3)
         points = jnp.einsum("pk,cik->cpi", grid.values, shapes)
         strengths = jnp.einsum("pk,cik->cpi", grid.values * grid.weights[:, None], forces)
-        return points.reshape(shape), strengths.reshape(shape)
+        return Sources(points.reshape(shape), forces=strengths.reshape(shape))
+
+    def motion_sources(self, shapes: Shapes, motions: Shapes) -> Sources:
+        """Points of the source grid and the stresslets there of a double layer w = u."""
+        grid = self.source_grid
+        points = jnp.einsum("pk,cik->cpi", grid.values, shapes)
+        down, across = jnp.einsum("dpk,cik->dcpi", self.source_tangents, shapes)
+        normals = jnp.cross(down, across)
+        values = jnp.einsum("pk,cik->cpi", grid.values * grid.weights[:, None], motions)
+        dyads = [values[..., i] * normals[..., j] for i, j in SYMMETRIC]
+        twins = [values[..., j] * normals[..., i] for i, j in SYMMETRIC]
+        stresslets = jnp.stack(dyads, axis=-1) + jnp.stack(twins, axis=-1)
+        shape = (shapes.shape[0], grid.rings, grid.azimuths)
+        return Sources(points.reshape(*shape, 3), stresslets=stresslets.reshape(*shape, 6))
 
     def own_velocity(
         self, targets: Float[Array, "cell ring azimuth 3"], shapes: Shapes, forces: Shapes
@@ -85,7 +136,7 @@ class TrainOperator(eqx.Module):
     ) -> Array:
         """All other parts of the velocity on the cells: other cells, images, wall, flow rate."""
         owners = jnp.arange(shapes.shape[0])
-        return self.tube.velocity(targets, owners, *self.sources(shapes, forces))
+        return self.tube.velocity(targets, owners, self.sources(shapes, forces))
 
     def velocity_at(
         self, points: Float[Array, "point 3"], shapes: Shapes
@@ -97,7 +148,7 @@ class TrainOperator(eqx.Module):
         """
         loose = self.sources(shapes, self.forces(shapes))
         off_cells = jnp.array([-1])
-        return self.tube.velocity(points[None, :, None], off_cells, *loose)[0, :, 0]
+        return self.tube.velocity(points[None, :, None], off_cells, loose)[0, :, 0]
 
     def project(self, velocity: Array) -> Array:
         """Harmonic coefficients [cell, 3, coefficient] of velocities on the target grid."""
@@ -124,9 +175,19 @@ class TrainOperator(eqx.Module):
         along = jnp.sum(gradient * rates, axis=(1, 2)) / jnp.sum(gradient**2, axis=(1, 2))
         return rates - along[:, None, None] * gradient
 
-    def effective_viscosity(self, shapes: Shapes, forces: Shapes) -> Float[Array, ""]:
-        """Pressure drop relative to that of plasma alone at the same flow rate."""
-        return 1.0 - self.tube.extra_flux(*self.sources(shapes, forces))
+    def effective_viscosity(
+        self, shapes: Shapes, forces: Shapes, motions: Shapes | None = None
+    ) -> Float[Array, ""]:
+        """Pressure drop relative to that of plasma alone at the same flow rate.
+
+        **Arguments:** `motions`: rates of the shapes, which count if they are not rigid and the
+        viscosity ratio is not 1.
+        """
+        pressure = 1.0 - self.tube.extra_flux(self.sources(shapes, forces))
+        if motions is None or self.viscosity_ratio is None:
+            return pressure
+        flux = self.tube.extra_flux(self.motion_sources(shapes, motions))
+        return pressure - (1.0 - self.viscosity_ratio) * flux
 
 
 def train_membrane(train: Train) -> Membrane:
@@ -178,6 +239,10 @@ def train_operator(
     resolution: Resolution = train.resolution
     resting = train_membrane(train)
     target_grid = sphere_grid(resolution.degree, resolution.target_order)
+    source_grid = sphere_grid(resolution.degree, resolution.source_order)
+    theta, phi = source_grid.points()
+    tangents = harmonic_tables(resolution.degree, theta, phi)
+    ratio = train.flow.viscosity_ratio
     widest = float(
         np.hypot(
             *np.asarray(jnp.einsum("pk,ik->ip", target_grid.values, resting.reference_shape))[:2]
@@ -203,7 +268,10 @@ def train_operator(
             azimuthal=resolution.polar_azimuthal,
             parameter=tube.split.parameter,
         ),
-        source_grid=sphere_grid(resolution.degree, resolution.source_order),
+        source_grid=source_grid,
+        source_tangents=jnp.stack([tangents.d_theta, tangents.d_phi / np.sin(theta)[:, None]]),
         target_grid=target_grid,
+        viscosity_ratio=None if ratio == 1.0 else jnp.asarray(ratio),
+        solver_tolerance=SOLVER_TOLERANCE * resolution.tolerance,
         meridian=meridian,
     )

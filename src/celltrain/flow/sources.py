@@ -1,0 +1,28 @@
+"""What drives the flow: point forces and stresslets on the surfaces of the cells."""
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Array, Float
+
+# Components of a symmetric matrix that are kept, and where each of the nine is among them.
+SYMMETRIC = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+UNFOLD = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
+
+
+class Sources(eqx.Module):
+    """Weighted samples of surface densities on a product grid of each cell; either may be absent.
+
+    `forces` are those on the fluid, in mu U r0. `stresslets` are symmetric dyads w n + n w times
+    the area that a point stands for, in U r0^2, of a double layer
+
+        (1/8 pi) int T_ijk(y - x) w_j n_k dS,   T_ijk(r) = -6 r_i r_j r_k/r^5,   n outward.
+    """
+
+    points: Float[Array, "cell ring azimuth 3"]
+    forces: Float[Array, "cell ring azimuth 3"] | None = None
+    stresslets: Float[Array, "cell ring azimuth 6"] | None = None
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return self.points.shape[0]

@@ -1,0 +1,158 @@
+"""The flow inside cells whose viscosity differs from the plasma's.
+
+On the membranes, with lam the viscosity ratio and b the velocity that the forces and the driven
+flow would give at lam = 1,
+
+    (1 + lam)/2 u - (1 - lam) K u = b,   K u = (1/8 pi) PV int T_ijk(y - x) u_j n_k dS
+
+(Pozrikidis 1992, chapter 5; Eq. 3 of Bryngelson & Freund 2018). Two things are known exactly, and
+the discrete K is made to obey them, so that no viscosity ratio makes the equation singular:
+
+* a rigid motion v of one cell gives K v = -v/2 on it and nothing elsewhere. Hence u = b for rigid
+  motions: what becomes singular as lam grows, and why a steady train does not depend on lam.
+* K u moves no fluid through a closed surface. Hence u, like b, keeps each cell's volume: what
+  becomes singular as lam falls.
+
+The equation is solved by GMRES, preconditioned with each cell's own equation in free space, which
+shares both properties; the derivative follows implicitly from the same equation.
+"""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import jax.scipy.linalg
+import jax.scipy.sparse.linalg
+from jaxtyping import Array, Float
+
+Motions = Float[Array, "cell 3 coefficient"]
+# From motions without a rigid part to the flow that they give through everything but the near
+# kernel of their own cell.
+Outer = Callable[[Motions], Motions]
+
+
+class InteriorFlow(eqx.Module):
+    """K at fixed shapes: each cell's own part as a matrix, and the motions known exactly.
+
+    `near` and `free` act on a cell's flattened coefficients, with the near kernel and in free
+    space; `rigid` are orthonormal rigid motions, `normal` the direction of the volume's gradient.
+    """
+
+    near: Float[Array, "cell size size"]
+    free: Float[Array, "cell size size"]
+    rigid: Float[Array, "cell 6 3 coefficient"]
+    normal: Float[Array, "cell 3 coefficient"]
+
+    def without_inflation(self, motions: Array) -> Array:
+        """Motions less their part that changes the volumes."""
+        along = jnp.einsum("cik,cik->c", self.normal, motions)
+        return motions - along[:, None, None] * self.normal
+
+    def rigid_part(self, motions: Array) -> Array:
+        """Projection to the rigid motions of each cell."""
+        return jnp.einsum("crik,crjl,cjl->cik", self.rigid, self.rigid, motions)
+
+    def apply(self, outer: Outer, motions: Array) -> Array:
+        """K u; `outer` may be complex (a wave along the train)."""
+        rigid = self.rigid_part(motions)
+        rest = self.without_inflation(motions - rigid)
+        flow = _by_cell(self.near, rest) + outer(rest)
+        return self.without_inflation(flow) - 0.5 * rigid
+
+    def own_equation(self, ratio: Float[Array, ""]) -> Float[Array, "cell size size"]:
+        """Matrix of each cell's equation in free space."""
+        cells, size, _ = self.free.shape
+        rigid = self.rigid.reshape(cells, 6, size)
+        normal = self.normal.reshape(cells, size)
+        projector = jnp.einsum("cri,crj->cij", rigid, rigid)
+        conserved = jnp.eye(size) - jnp.einsum("ci,cj->cij", normal, normal)
+        kernel = conserved @ self.free @ (conserved - projector) - 0.5 * projector
+        return 0.5 * (1.0 + ratio) * jnp.eye(size) - (1.0 - ratio) * kernel
+
+    def solve(
+        self,
+        outer: Outer,
+        ratio: Float[Array, ""],
+        free_rates: Motions,
+        *,
+        tolerance: float,
+        iterations: int,
+    ) -> Motions:
+        """The motion u for the given b, not a number if GMRES has not converged.
+
+        **Arguments:** `tolerance`: of the residual of the preconditioned equation, which is about
+        the error of u, relative to u; `iterations`: allowed before a restart, of which there are
+        two.
+        """
+        factors = jax.vmap(jax.scipy.linalg.lu_factor)(self.own_equation(ratio))
+
+        def preconditioned(flow: Motions) -> Motions:
+            flat = flow.reshape(flow.shape[0], -1)
+            return jax.vmap(jax.scipy.linalg.lu_solve)(factors, flat).reshape(flow.shape)
+
+        def equation(motions: Motions) -> Motions:
+            flow = 0.5 * (1.0 + ratio) * motions - (1.0 - ratio) * self.apply(outer, motions)
+            return preconditioned(flow)
+
+        right = preconditioned(free_rates)
+        solution, _ = jax.scipy.sparse.linalg.gmres(
+            equation,
+            right,
+            # Exact for the rigid part, which is most of it.
+            x0=free_rates,
+            tol=tolerance,
+            restart=iterations,
+            maxiter=3,
+            solve_method="incremental",
+        )
+        error = jnp.linalg.norm(equation(solution) - right)
+        return jnp.where(error <= 2.0 * tolerance * jnp.linalg.norm(right), solution, jnp.nan)
+
+
+def _by_cell(matrices: Array, motions: Array) -> Array:
+    flat = motions.reshape(motions.shape[0], -1)
+    return jnp.einsum("cij,cj->ci", matrices, flat).reshape(motions.shape)
+
+
+def rigid_motions(
+    shapes: Float[Array, "cell 3 coefficient"],
+) -> Float[Array, "cell 6 3 coefficient"]:
+    """Orthonormal translations and rotations of each cell."""
+    x, y, z = (shapes[:, i].at[:, 0].set(0.0) for i in range(3))
+    none = jnp.zeros_like(x)
+    rotations = jnp.stack(
+        [jnp.stack(each, axis=1) for each in ((none, -z, y), (z, none, -x), (-y, x, none))], axis=1
+    )
+    # About the mean point, so that translations (degree 0) are orthogonal to them already.
+    gram = jnp.einsum("crik,csik->crs", rotations, rotations)
+    lower = jnp.linalg.cholesky(gram)
+    turned = jax.scipy.linalg.solve_triangular(
+        lower, rotations.reshape(*rotations.shape[:2], -1), lower=True
+    )
+    moved = jnp.zeros_like(rotations)
+    moved = moved.at[:, [0, 1, 2], [0, 1, 2], 0].set(1.0)
+    return jnp.concatenate([moved, turned.reshape(rotations.shape)], axis=1)
+
+
+def interior_flow(
+    kernels: tuple[Array, Array],
+    projection: Float[Array, "coefficient point"],
+    shapes: Float[Array, "cell 3 coefficient"],
+    volume_gradients: Float[Array, "cell 3 coefficient"],
+) -> InteriorFlow:
+    """K from the matrices of `OwnSurfaceRule.double_layer`, projected from the target grid."""
+
+    def projected(kernel: Array) -> Array:
+        cells, count = shapes.shape[0], shapes.shape[-1]
+        flat = kernel.reshape(cells, -1, 9 * count)
+        flat = (projection @ flat).reshape(cells, count, 3, 3, count)
+        return jnp.moveaxis(flat, 1, 2).reshape(cells, 3 * count, 3 * count)
+
+    size = jnp.linalg.norm(volume_gradients, axis=(1, 2), keepdims=True)
+    return InteriorFlow(
+        near=projected(kernels[0]),
+        free=projected(kernels[1]),
+        rigid=rigid_motions(shapes),
+        normal=volume_gradients / size,
+    )
