@@ -135,6 +135,7 @@ def fake_base():
         effective_viscosity=1.1,
         residual=1e-9,
         truncation_error=1e-4,
+        velocity_error=1e-7,
         history=(
             compute.Iteration("march", 1e-2, 0.5, 1.4),
             compute.Iteration("newton", 1e-9, math.inf, 1.5),

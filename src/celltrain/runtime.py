@@ -8,6 +8,8 @@
 * The level of XLA's own messages.
 * The number of threads of the nonuniform Fourier transforms: one, because at the sizes of a train
   more of them cost more than they bring; `$CELLTRAIN_NUFFT_THREADS` sets another.
+* One thread for the small factorisations of LAPACK (`$OPENBLAS_NUM_THREADS` sets another number):
+  its threads wait for each other for longer than these take, above all on a busy machine.
 * A clock that tells compilation from running (`timed`).
 """
 
@@ -20,6 +22,7 @@ from pathlib import Path
 # XLA reports every cached program as compiled for "another machine", because it lists its own
 # tuning preferences among the processor's features. Set the variable to 0 to see all messages.
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import jax
 from jax_finufft.options import Opts

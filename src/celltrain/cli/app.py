@@ -14,6 +14,7 @@ from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
 from celltrain.cli.compute import Request, run
+from celltrain.cli.evolve import evolve
 from celltrain.cli.options import CaseOptions, given_leaves, reader
 from celltrain.parameters import CaseError, merge_case, read_case
 
@@ -69,6 +70,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         errors.print("celltrain: interrupted; nothing was saved", markup=False)
         return INTERRUPTED
     return status or 0
+
+
+app.command(evolve)
 
 
 @app.command

@@ -141,8 +141,9 @@ def far_velocity_modes(
     safe = jnp.where(square > 0.0, square, 1.0)
     quarter = safe / (4.0 * parameter**2)
     symbol = jnp.where(square > 0.0, (1.0 + quarter) * jnp.exp(-quarter) / (volume * safe), 0.0)
-    fx, fy, fz = force_modes if force_modes is not None else (0.0, 0.0, 0.0)
-    trace = 0.0
+    nothing = jnp.zeros(())
+    fx, fy, fz = force_modes if force_modes is not None else (nothing, nothing, nothing)
+    trace = nothing
     if stresslet_modes is not None:
         xx, xy, xz, yy, yz, zz = stresslet_modes
         fx = fx - 1j * (xx * kx + xy * ky + xz * kz)

@@ -1,8 +1,8 @@
 """Sums of the near kernels over pairs of targets and source points, in bounded memory.
 
-Targets come in groups, sources in blocks (one per cell). The sum runs over chunks of targets and,
-for each, over the blocks and their axial images; blocks out of the kernel's range are skipped, so
-the cost follows the number of close pairs and no array holds more than one chunk times one block.
+Targets come in chunks, sources in blocks of a cell's points. The sum runs over those pairs of a
+chunk and an axial image of a block whose bounding boxes are within the kernel's range, so the cost
+follows the number of near pairs and no array holds more than one chunk times one block.
 
 The derivative of the force's sum is given in closed form: with D_k G the derivative of the kernel,
 
@@ -20,7 +20,9 @@ from jaxtyping import Array, Bool, Float, Int
 from celltrain.flow.ewald import near_scalars, near_slopes, near_stress_scalars
 from celltrain.flow.sources import UNFOLD, Sources
 
-CHUNK = 64
+CHUNK = 32
+# Blocks of one cell: rings by azimuths, where its grid can be split so.
+BLOCKS = (2, 4)
 
 
 def _differences(
@@ -39,7 +41,8 @@ def block_sum(
 ) -> Float[Array, "target 3"]:
     """sum_s G_near(x - y_s) f_s for one chunk of targets and one block of sources."""
     d, square = _differences(targets, sources)
-    isotropic, dyadic = near_scalars(square, parameter)
+    # Two products use them: without the barrier XLA computes them twice.
+    isotropic, dyadic = jax.lax.optimization_barrier(near_scalars(square, parameter))
     scaled = dyadic * (d[0] * strengths[:, 0] + d[1] * strengths[:, 1] + d[2] * strengths[:, 2])
     # sum_s d_i w_s = x_i sum_s w_s - sum_s w_s y_si: products instead of elementwise sums.
     moment = scaled @ jnp.concatenate([sources, jnp.ones_like(sources[:, :1])], axis=1)
@@ -92,7 +95,7 @@ def stresslet_block_sum(
     D = w n + n w are symmetric dyads (xx, xy, xz, yy, yz, zz).
     """
     d, square = _differences(targets, sources)
-    linear, cubic = near_stress_scalars(square, parameter)
+    linear, cubic = jax.lax.optimization_barrier(near_stress_scalars(square, parameter))
     xx, xy, xz, yy, yz, zz = (stresslets[:, i] for i in range(6))
     along = d[0] * (xx * d[0] + 2.0 * (xy * d[1] + xz * d[2]))
     along = along + d[1] * (yy * d[1] + 2.0 * yz * d[2]) + zz * d[2] ** 2
@@ -103,9 +106,9 @@ def stresslet_block_sum(
     )
     dipole = linear @ jnp.concatenate([stresslets, turned.T], axis=1)
     moment = scaled @ jnp.concatenate([sources, jnp.ones_like(sources[:, :1])], axis=1)
-    applied = jnp.einsum("tij,tj->ti", dipole[:, UNFOLD], targets) - dipole[:, 6:]
+    turned = jnp.einsum("tij,tj->ti", dipole[:, UNFOLD], targets) - dipole[:, 6:]
     # T(y - x) = -T(x - y).
-    return moment[:, :3] - targets * moment[:, 3:] - applied
+    return moment[:, :3] - targets * moment[:, 3:] - turned
 
 
 def near_sum(
@@ -129,56 +132,53 @@ def near_sum(
     groups, count, _ = targets.shape
     chunks = -(-count // CHUNK)
     padding = ((0, 0), (0, chunks * CHUNK - count))
-    # Padding repeats the last target of the group: harmless for the chunk's axial extent.
-    padded = jnp.pad(targets, (*padding, (0, 0)), mode="edge")
-    padded = padded.reshape(groups * chunks, CHUNK, 3)
-    chunk_owners = jnp.repeat(owners, chunks)
+    # Padding repeats the last target of the group: harmless for the chunk's extent.
+    padded = jnp.pad(targets, (*padding, (0, 0)), mode="edge").reshape(-1, CHUNK, 3)
+    points = _in_blocks(sources.points)
+    cells = jnp.repeat(jnp.arange(sources.cells), points.shape[0] // sources.cells)
+    along = jnp.array([0.0, 0.0, 1.0]) * period
     shifts = jnp.arange(-images, images + 1)
-    cells = jnp.arange(sources.cells)
-    points = sources.points.reshape(sources.cells, -1, 3)
-    low, high = jnp.min(points[..., 2], axis=1), jnp.max(points[..., 2], axis=1)
     if keep is not None:
         keep = jnp.pad(keep, ((0, 0), *padding, (0, 0)))
         keep = keep.reshape(shifts.size, groups * chunks, CHUNK, sources.cells)
-        keep = jnp.moveaxis(keep, 1, 0)
+    forces = None if sources.forces is None else _in_blocks(sources.forces)
+    dyads = None if sources.stresslets is None else _in_blocks(sources.stresslets)
 
-    def block(targets: Array, cell: Array) -> Array:
-        total = jnp.zeros_like(targets)
-        if sources.forces is not None:
-            strengths = sources.forces.reshape(sources.cells, -1, 3)
-            total = total + block_sum(targets, points[cell], strengths[cell], parameter)
-        if sources.stresslets is not None:
-            dyads = sources.stresslets.reshape(sources.cells, -1, 6)
-            total = total + stresslet_block_sum(targets, points[cell], dyads[cell], parameter)
-        return total
+    # Axes: image, chunk, block.
+    moved = padded - shifts[:, None, None, None] * along
+    gap = jnp.maximum(
+        jnp.min(moved, axis=2)[:, :, None] - jnp.max(points, axis=1),
+        jnp.min(points, axis=1) - jnp.max(moved, axis=2)[:, :, None],
+    )
+    near = jnp.sum(jnp.maximum(gap, 0.0) ** 2, axis=-1) < cutoff**2
+    own = jnp.repeat(owners, chunks)[:, None] == cells
+    near = near & ~(own & (shifts == 0)[:, None, None])
+    pairs = jnp.nonzero(near.ravel(), size=near.size, fill_value=0)[0]
 
-    def of_chunk(chunk: tuple[Array, Array, Array | None]) -> Float[Array, "image target 3"]:
-        here, owner, kept = chunk
-        bottom, top = jnp.min(here[:, 2]), jnp.max(here[:, 2])
+    def add(number: Array, total: Array) -> Array:
+        image, chunk, block = jnp.unravel_index(pairs[number], near.shape)
+        here = padded[chunk] - shifts[image] * along
+        here, block_points = jax.lax.optimization_barrier((here, points[block]))
+        part = jnp.zeros_like(here)
+        if forces is not None:
+            part = part + block_sum(here, block_points, forces[block], parameter)
+        if dyads is not None:
+            part = part + stresslet_block_sum(here, block_points, dyads[block], parameter)
+        if keep is not None:
+            part = jnp.where(keep[image, chunk, :, cells[block], None], part, 0.0)
+        return total.at[image, chunk].add(part)
 
-        def of_image(image: tuple[Array, Array | None]) -> Float[Array, "target 3"]:
-            shift, wanted = image
-            offset = shift * period
+    start = jnp.zeros((shifts.size, *padded.shape))
+    summed = jax.lax.fori_loop(0, jnp.sum(near), add, start)
+    return summed.reshape(shifts.size, groups, chunks * CHUNK, 3)[:, :, :count]
 
-            def add(total: Array, cell: Array) -> tuple[Array, None]:
-                in_range = (low[cell] + offset - top < cutoff) & (
-                    bottom - high[cell] - offset < cutoff
-                )
-                is_own = (owner == cell) & (shift == 0)
 
-                def with_block(total: Array) -> Array:
-                    moved = here - jnp.array([0.0, 0.0, 1.0]) * offset
-                    part = block(moved, cell)
-                    if wanted is not None:
-                        part = jnp.where(wanted[:, cell, None], part, 0.0)
-                    return total + part
-
-                return jax.lax.cond(in_range & ~is_own, with_block, lambda t: t, total), None
-
-            return jax.lax.scan(add, jnp.zeros_like(here), cells)[0]
-
-        return jax.lax.map(of_image, (shifts, kept))
-
-    summed = jax.lax.map(of_chunk, (padded, chunk_owners, keep))
-    summed = jnp.moveaxis(summed, 1, 0).reshape(2 * images + 1, groups, chunks * CHUNK, 3)
-    return summed[:, :, :count]
+def _in_blocks(
+    samples: Float[Array, "cell ring azimuth part"],
+) -> Float[Array, "block source part"]:
+    """The samples of each cell in compact blocks of its grid."""
+    cells, rings, azimuths, parts = samples.shape
+    rows = BLOCKS[0] if rings % BLOCKS[0] == 0 else 1
+    columns = BLOCKS[1] if azimuths % BLOCKS[1] == 0 else 1
+    split = samples.reshape(cells, rows, rings // rows, columns, azimuths // columns, parts)
+    return jnp.swapaxes(split, 2, 3).reshape(cells * rows * columns, -1, parts)

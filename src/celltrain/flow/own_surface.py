@@ -95,7 +95,10 @@ class OwnSurfaceRule(eqx.Module):
             linear, cubic = near_stress_scalars(square, self.parameter)
             # Signs of T(y - x) = -T(x - y).
             free = (6.0 / square**2) * (through * jax.lax.rsqrt(square))
-            cubic = -cubic * through
+            # Or XLA computes them anew for each of the six components.
+            linear, cubic, free, d, weighted, through = jax.lax.optimization_barrier(
+                (linear, -cubic * through, free, d, weighted, through)
+            )
             near = jnp.stack(
                 [
                     cubic * d[i] * d[j]

@@ -9,6 +9,17 @@ SYMMETRIC = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 UNFOLD = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
+class Surface(eqx.Module):
+    """The surfaces and densities themselves, as coefficients; either density may be absent.
+
+    `forces` are those per solid angle, in mu U r0; `densities` are w, in U.
+    """
+
+    shapes: Float[Array, "cell 3 coefficient"]
+    forces: Float[Array, "cell 3 coefficient"] | None = None
+    densities: Float[Array, "cell 3 coefficient"] | None = None
+
+
 class Sources(eqx.Module):
     """Weighted samples of surface densities on a product grid of each cell; either may be absent.
 
@@ -16,11 +27,14 @@ class Sources(eqx.Module):
     the area that a point stands for, in U r0^2, of a double layer
 
         (1/8 pi) int T_ijk(y - x) w_j n_k dS,   T_ijk(r) = -6 r_i r_j r_k/r^5,   n outward.
+
+    With the `surface` that they are samples of, velocities are accurate close to it, too.
     """
 
     points: Float[Array, "cell ring azimuth 3"]
     forces: Float[Array, "cell ring azimuth 3"] | None = None
     stresslets: Float[Array, "cell ring azimuth 6"] | None = None
+    surface: Surface | None = None
 
     @property
     def cells(self) -> int:

@@ -16,6 +16,7 @@ viscosity.
 """
 
 import math
+from collections.abc import Callable
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -23,6 +24,7 @@ from jaxtyping import Array, Complex, Float, Int
 
 from celltrain.flow.ewald import EwaldSplit, ewald_split, far_velocity_modes
 from celltrain.flow.near import near_sum
+from celltrain.flow.neighbours import CloseEvaluation, Neighbours
 from celltrain.flow.sources import Sources
 from celltrain.flow.transform import (
     RingTransform,
@@ -31,6 +33,9 @@ from celltrain.flow.transform import (
     ring_transform,
 )
 from celltrain.flow.wall import TubeWall, tube_wall
+
+# Of the targets and of the points of the wall.
+TubeNeighbours = tuple[Neighbours, Neighbours]
 
 
 class PeriodicTube(eqx.Module):
@@ -45,6 +50,7 @@ class PeriodicTube(eqx.Module):
     split: EwaldSplit
     transform: Transform
     wall: TubeWall
+    close: CloseEvaluation | None
     images: int = eqx.field(static=True)
     quasi_periodic: bool = eqx.field(static=True)
 
@@ -74,15 +80,19 @@ class PeriodicTube(eqx.Module):
         owners: Int[Array, " group"],
         sources: Sources,
         *,
+        neighbours: TubeNeighbours | None = None,
         mean_flow: bool = True,
     ) -> Float[Array, "group ring azimuth 3"] | Complex[Array, "group ring azimuth 3"]:
         """Velocity at points in the fluid or on cells, in U.
 
         **Arguments:** `owners`: cell on which each group of targets lies, -1 for points off the
-        cells. The near kernels of a group's own cell are left out: see `OwnSurfaceRule`. Without
-        `mean_flow` the mean velocity is 0 instead of 1, which makes the velocity linear in the
-        sources.
+        cells. The near kernels of a group's own cell are left out: see `OwnSurfaceRule`.
+        `neighbours`: of these targets and cells, if they are known already. Without `mean_flow` the
+        mean velocity is 0 instead of 1, which makes the velocity linear in the sources.
         """
+        if neighbours is None and sources.surface is not None:
+            neighbours = self.neighbours(targets, owners, sources.points)
+        by_cells, by_wall = (None, None) if neighbours is None else neighbours
         wall_points = self.wall.points()
         groups = targets.shape[:3]
         ring_shape = (-1, groups[2], 3)
@@ -90,9 +100,11 @@ class PeriodicTube(eqx.Module):
         far, at_wall = self.transform.synthesise(
             [flat_targets, wall_points], self._far_modes(sources)
         )
-        loose = wall_points.reshape(1, -1, 3)
-        at_wall = at_wall + self._near(loose, jnp.array([-1]), sources).reshape(wall_points.shape)
-        near = self._near(targets.reshape(groups[0], -1, 3), owners, sources)
+        strips, places = self.wall.strips()
+        loose, off_cells = wall_points.reshape(-1, 3)[strips], jnp.full(len(strips), -1)
+        wall_near = self._near(loose, off_cells, sources, by_wall).reshape(-1, 3)[places]
+        at_wall = at_wall + wall_near.reshape(wall_points.shape)
+        near = self._near(targets.reshape(groups[0], -1, 3), owners, sources, by_cells)
         regular = self.wall.regular_flow(at_wall.astype(complex))
         if isinstance(self.transform, RingTransform):
             reflected = self.wall.at_rings(flat_targets, regular)
@@ -122,7 +134,36 @@ class PeriodicTube(eqx.Module):
             )
         )
 
-    def _near(self, targets: Array, owners: Array, sources: Sources) -> Array:
+    def neighbours(
+        self,
+        targets: Float[Array, "group ring azimuth 3"],
+        owners: Int[Array, " group"],
+        points: Float[Array, "cell source_ring source_azimuth 3"],
+        *,
+        shapes: Float[Array, "cell 3 coefficient"] | None = None,
+    ) -> TubeNeighbours | None:
+        """Which targets, and which points of the wall, are close to a cell's grid points.
+
+        **Arguments:** `shapes`: prepares double layers on these cells, for many densities.
+        """
+        close = self.close
+        if close is None:
+            return None
+        cells = points.reshape(points.shape[0], -1, 3)
+
+        def of(targets: Array, owners: Array) -> Neighbours:
+            period = self.wall.period
+            found = close.find(targets, owners, cells, period=period, images=self.images)
+            return found if shapes is None else close.prepared(found, targets, shapes, period)
+
+        strips, _ = self.wall.strips()
+        wall = self.wall.points().reshape(-1, 3)[strips]
+        by_cells = of(targets.reshape(targets.shape[0], -1, 3), owners)
+        return by_cells, of(wall, jnp.full(len(strips), -1))
+
+    def _near(
+        self, targets: Array, owners: Array, sources: Sources, neighbours: Neighbours | None
+    ) -> Array:
         """Near sums over all images, [group, target, 3]."""
         by_image = near_sum(
             targets,
@@ -132,7 +173,10 @@ class PeriodicTube(eqx.Module):
             cutoff=self.split.cutoff,
             period=self.wall.period,
             images=self.images,
+            keep=None if neighbours is None else neighbours.pairs.keep,
         ) / (8.0 * math.pi)
+        if neighbours is not None and self.close is not None:
+            by_image += self.close.velocity(neighbours, targets, sources, self.wall.period)
         if not self.quasi_periodic:
             return jnp.sum(by_image, axis=0)
         turn = self.wall.shift * self.wall.period
@@ -150,6 +194,7 @@ def periodic_tube(
     tolerance: float,
     rings: bool,
     wave_number: float | None = None,
+    close: Callable[[float], CloseEvaluation] | None = None,
 ) -> PeriodicTube:
     """A tube of the given diameter and axial period (r0).
 
@@ -161,6 +206,7 @@ def periodic_tube(
     - `cutoff`, `tolerance`: range of the Ewald near kernel and relative truncation error.
     - `rings`: sources and targets form rings about the axis.
     - `wave_number`: q in radians per period, for a quasi-periodic flow (rings only).
+    - `close`: makes what serves targets close to a cell, from the parameter of the near kernel.
     """
     split = ewald_split(diameter, cutoff, tolerance)
     shift = 0.0 if wave_number is None else wave_number / period
@@ -175,6 +221,7 @@ def periodic_tube(
         split=split,
         transform=transform,
         wall=tube_wall(0.5 * diameter, period, gap=gap, tolerance=tolerance, shift=shift),
+        close=None if close is None else close(split.parameter),
         images=math.floor((cutoff + extent + period) / period),
         quasi_periodic=wave_number is not None,
     )

@@ -20,12 +20,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax_finufft import nufft2
-from jaxtyping import Array, Complex, Float
+from jaxtyping import Array, Complex, Float, Int
 from scipy.special import ive
 
 from celltrain.runtime import NUFFT_OPTIONS
 
 Cylindrical = tuple[Array, Array, Array]
+
+# Points across a strip along the tube.
+STRIP = 8
 
 
 def _axial_response(m: int, k: float, radius: float, nodes: np.ndarray) -> np.ndarray:
@@ -94,6 +97,18 @@ class TubeWall(eqx.Module):
             jnp.broadcast_arrays(self.radius * jnp.cos(theta), self.radius * jnp.sin(theta), z),
             axis=-1,
         )
+
+    def strips(self) -> tuple[Int[np.ndarray, "strip place"], Int[np.ndarray, " point"]]:
+        """Numbers of the points of narrow strips along the tube, and where each point is in them.
+
+        The last strip is filled up with points that it has already.
+        """
+        rows, columns = self.axial.size, self.orders.size
+        count = -(-columns // STRIP)
+        theta = np.minimum(np.arange(count * STRIP), columns - 1).reshape(count, 1, STRIP)
+        points = np.arange(rows)[:, None] * columns + theta
+        z, theta = np.divmod(np.arange(rows * columns), columns)
+        return points.reshape(count, -1), (theta // STRIP * rows + z) * STRIP + theta % STRIP
 
     def regular_flow(self, boundary: Complex[Array, "k m 3"]) -> Complex[Array, "3 m k chebyshev"]:
         """Coefficients of the cylindrical components of the flow with this boundary velocity."""

@@ -86,8 +86,8 @@ class PolarTables(eqx.Module):
         self, weighted: Float[Array, "*batch radial azimuthal"]
     ) -> Float[Array, "*batch coefficient"]:
         """Sums over the nodes of the given numbers times each harmonic: transpose of `values`."""
-        by_order = jnp.einsum("...ra,ma->m...r", weighted, self.longitude)
-        arranged = jnp.einsum("m...r,mrn->...mn", by_order, self.latitude)
+        by_order = jnp.einsum("...ra,ma->...rm", weighted, self.longitude)
+        arranged = jnp.einsum("...rm,mrn->...mn", by_order, self.latitude)
         flat = arranged.reshape(*arranged.shape[:-2], -1)
         return flat[..., self.back]
 

@@ -51,14 +51,20 @@ class Membrane(eqx.Module):
     def energy(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, ""]:
         """Elastic energy of one cell, in mu U r0^2."""
         deformed = surface_geometry(self.tables, coefficients)
-        c11, c12, c21, c22 = _mixed(self.reference.metric, deformed.metric)
-        in_plane = self.law.energy_density(c11 + c22 - 2.0, c11 * c22 - c12 * c21 - 1.0)
+        in_plane = self.law.energy_density(*self.invariants(deformed))
         now = _mixed(deformed.metric, deformed.curvature)
         rest = _mixed(self.reference.metric, self.reference.curvature)
         k11, k12, k21, k22 = (a - b for a, b in zip(now, rest, strict=True))
         bending = 0.5 * self.bending_modulus * (k11**2 + 2.0 * k12 * k21 + k22**2)
         area = self.reference.area * self.inverse_sine * self.weights
         return jnp.sum((in_plane + bending) * area)
+
+    def invariants(
+        self, deformed: SurfaceGeometry
+    ) -> tuple[Float[Array, " point"], Float[Array, " point"]]:
+        """Strain invariants I1 = tr(C) - 2 and I2 = det(C) - 1 of a surface on the grid."""
+        c11, c12, c21, c22 = _mixed(self.reference.metric, deformed.metric)
+        return c11 + c22 - 2.0, c11 * c22 - c12 * c21 - 1.0
 
     def force(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, "3 coefficient"]:
         """Coefficients of the force per solid angle on the fluid, F = -dE/ds, in mu U r0."""

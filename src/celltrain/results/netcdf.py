@@ -24,6 +24,7 @@ _BASE_SCALARS = (
     "effective_viscosity",
     "residual",
     "truncation_error",
+    "velocity_error",
 )
 _MODE_TYPES = {
     "growth_rate": float,

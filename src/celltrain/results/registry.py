@@ -84,6 +84,12 @@ QUANTITIES: dict[str, Quantity] = _table(
         "the same before the velocity is cut at the degree of the shape",
     ),
     Quantity(
+        "velocity_error",
+        r"\max|\Delta v|/\max|v|",
+        "1",
+        "estimated relative error of the velocity by the rules and grids",
+    ),
+    Quantity(
         "history_method", "", "1", "method of each iteration: march or newton", ("iteration",)
     ),
     Quantity("history_residual", "", "U", "residual before each iteration", ("iteration",)),

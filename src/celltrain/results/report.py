@@ -105,6 +105,7 @@ def _base_table(base: Base) -> Table:
     table.add_row("effective viscosity", f"{base.effective_viscosity:.5f}", "mu")
     table.add_row("residual", f"{base.residual:.1e}", "U")
     table.add_row("left out by the degree", f"{base.truncation_error:.1e}", "U")
+    table.add_row("error of the velocity", f"{base.velocity_error:.1e}", "relative")
     table.caption = base.origin
     table.caption_justify = "left"
     return table

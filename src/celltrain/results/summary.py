@@ -15,10 +15,10 @@ def summary(result: Base | Stability) -> dict[str, Any]:
     """What matters of a result as an object that JSON can hold, in r0, U and mu.
 
     Always there: `version`, `case` (in the sections of a case file), `cell_velocity`, `gap`,
-    `largest_radius`, `effective_viscosity`, `residual`, `truncation_error`, `origin`, `seconds`. Of
-    a :class:`Stability` also `spectral_abscissa`, `numerical_abscissa`, `numerical_abscissas`,
-    `error_estimate` and `leading_modes`, sorted by growth rate. Numbers that are not finite become
-    None.
+    `largest_radius`, `effective_viscosity`, `residual`, `truncation_error`,
+    `velocity_error`, `origin`, `seconds`. Of a :class:`Stability` also `spectral_abscissa`,
+    `numerical_abscissa`, `numerical_abscissas`, `error_estimate` and `leading_modes`, sorted by
+    growth rate. Numbers that are not finite become None.
     """
     base = result.base if isinstance(result, Stability) else result
     content: dict[str, Any] = {
@@ -30,6 +30,7 @@ def summary(result: Base | Stability) -> dict[str, Any]:
         "effective_viscosity": base.effective_viscosity,
         "residual": base.residual,
         "truncation_error": base.truncation_error,
+        "velocity_error": base.velocity_error,
         "origin": base.origin,
     }
     if isinstance(result, Stability):

@@ -181,7 +181,7 @@ def _resolution_error(base: Base, leading: Mode) -> float:
     try:
         # Grids chosen by hand may be too coarse for a higher degree.
         finer = train.changed(degree=train.resolution.degree + MORE_DEGREES)
-        nearby = steady(finer, start=base)
+        nearby = steady(finer, start=base, estimate_error=False)
     except (CaseError, NotConverged):
         return float("nan")
     m, wave = leading.azimuthal_number, leading.wave_number

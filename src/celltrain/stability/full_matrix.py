@@ -16,7 +16,13 @@ from jaxtyping import Array, Float
 
 from celltrain.stability.linearise import BATCH
 from celltrain.steady import Base
-from celltrain.train import TrainOperator, place_cells, train_operator
+from celltrain.train import (
+    TrainOperator,
+    clearance,
+    close_distance,
+    place_cells,
+    train_operator,
+)
 
 Columns = Float[Array, "direction cell 3 coefficient"]
 
@@ -41,7 +47,9 @@ class ExactDerivative(Derivative):
 
     def operator(self, base: Base) -> TrainOperator:
         """The operator for shapes in rings."""
-        return train_operator(base.train, cells=base.train.cells)
+        train = base.train
+        apart = clearance(base.coefficients, train.period, train.radius)
+        return train_operator(train, cells=train.cells, close=apart < close_distance(train))
 
     def columns(
         self, operator: TrainOperator, shapes: Array, directions: Array, batch: int

@@ -32,6 +32,8 @@ from celltrain.train import (
     TrainOperator,
     azimuthal_basis,
     azimuthal_families,
+    clearance,
+    close_distance,
     train_operator,
 )
 
@@ -191,6 +193,7 @@ def linear_blocks(
     base, steps = jnp.asarray(shape), jnp.pad(directions, ((0, missing), (0, 0), (0, 0)))
     ratio = train.flow.viscosity_ratio
     train = train.changed(viscosity_ratio=1.0)
+    close = clearance(shape, train.period, train.radius) < close_distance(train)
     seconds = {} if seconds is None else seconds
 
     def assembled(answers: Array) -> dict[int, Complex[np.ndarray, "size size"]]:
@@ -205,11 +208,11 @@ def linear_blocks(
 
     with timed(seconds, "linearise"):
         fixed, force_changes, turned = jax.block_until_ready(
-            _fixed_part(train_operator(train), base, steps)
+            _fixed_part(train_operator(train, close=close), base, steps)
         )
     for wave, q in enumerate(wave_numbers):
         with timed(seconds, "linearise"):
-            operator = train_operator(train, wave_number=float(q))
+            operator = train_operator(train, wave_number=float(q), close=close)
             changes = _wave_part(operator, base, steps, force_changes)
             matrices = assembled(_conserve(operator, base, fixed + changes) + turned)
             if ratio != 1.0:

@@ -31,7 +31,8 @@ class Base:
     `train.period` apart. `residual` is the largest |v - U_c e_z| on the target grid, v being the
     discrete velocity whose coefficients are the rates of change of the shape; `truncation_error` is
     the same for the velocity before it is cut at the shape's degree: an estimate of what the degree
-    leaves out.
+    leaves out. `velocity_error` estimates what everything else leaves out, relative to the velocity
+    (see `rates_error`).
     """
 
     train: Train
@@ -42,6 +43,7 @@ class Base:
     effective_viscosity: float
     residual: float
     truncation_error: float
+    velocity_error: float
     history: tuple[Iteration, ...]
     origin: str
     seconds: dict[str, float]

@@ -84,13 +84,13 @@ class SteadySystem(eqx.Module):
         )
 
 
-def steady_system(train: Train) -> SteadySystem:
-    """The steady equations of a train."""
+def steady_system(train: Train, *, close: bool) -> SteadySystem:
+    """The steady equations of a train, of which cells may be `close` to each other."""
     basis = axisymmetric_basis(train.resolution.degree)
     # Cells in steady motion move rigidly: their viscosity plays no part.
     train = train.changed(viscosity_ratio=1.0)
     return SteadySystem(
-        operator=train_operator(train, meridian=True),
+        operator=train_operator(train, meridian=True, close=close),
         basis=jnp.asarray(basis[1:]),
         upward=jnp.asarray(basis[0]),
     )

@@ -1,8 +1,10 @@
 """A train of cells: from their shapes to the rates at which they change."""
 
+from celltrain.train.accuracy import rates_error, refined
 from celltrain.train.axisymmetry import axisymmetric_basis, azimuthal_basis, azimuthal_families
 from celltrain.train.geometry import (
     area_vectors,
+    clearance,
     largest_radius,
     meridian,
     streamwise_gap,
@@ -10,6 +12,7 @@ from celltrain.train.geometry import (
 )
 from celltrain.train.operator import (
     TrainOperator,
+    close_distance,
     place_cells,
     resting_shapes,
     train_membrane,
@@ -22,9 +25,13 @@ __all__ = [
     "axisymmetric_basis",
     "azimuthal_basis",
     "azimuthal_families",
+    "clearance",
+    "close_distance",
     "largest_radius",
     "meridian",
     "place_cells",
+    "rates_error",
+    "refined",
     "resting_shapes",
     "streamwise_gap",
     "train_membrane",

@@ -42,6 +42,18 @@ def streamwise_gap(shape: Float[np.ndarray, "3 coefficient"], period: float) -> 
     return float(np.min(period + rear[known] - front[known]))
 
 
+def clearance(shape: Float[np.ndarray, "3 coefficient"], period: float, radius: float) -> float:
+    """Smallest distance of an axisymmetric cell from its neighbours and from the wall, in r0.
+
+    Upper bounds, from points on the meridians.
+    """
+    x, z = meridian(shape, 401)
+    side = radius - float(x.max())
+    # In a plane through the axis each cell is its meridian and the meridian's mirror image.
+    apart = [np.hypot(x[:, None] - sign * x, z[:, None] - z - period).min() for sign in (1.0, -1.0)]
+    return min(side, *map(float, apart))
+
+
 def area_vectors(
     shape: Float[np.ndarray, "3 coefficient"],
 ) -> tuple[

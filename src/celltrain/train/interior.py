@@ -23,8 +23,9 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import jax.scipy.linalg
-import jax.scipy.sparse.linalg
 from jaxtyping import Array, Float
+
+from celltrain.train.gmres import Convergence, gmres
 
 Motions = Float[Array, "cell 3 coefficient"]
 # From motions without a rigid part to the flow that they give through everything but the near
@@ -78,12 +79,11 @@ class InteriorFlow(eqx.Module):
         *,
         tolerance: float,
         iterations: int,
-    ) -> Motions:
-        """The motion u for the given b, not a number if GMRES has not converged.
+    ) -> tuple[Motions, Convergence]:
+        """The motion u for the given b.
 
         **Arguments:** `tolerance`: of the residual of the preconditioned equation, which is about
-        the error of u, relative to u; `iterations`: allowed before a restart, of which there are
-        two.
+        the error of u, relative to u; `iterations`: at most.
         """
         factors = jax.vmap(jax.scipy.linalg.lu_factor)(self.own_equation(ratio))
 
@@ -96,18 +96,7 @@ class InteriorFlow(eqx.Module):
             return preconditioned(flow)
 
         right = preconditioned(free_rates)
-        solution, _ = jax.scipy.sparse.linalg.gmres(
-            equation,
-            right,
-            # Exact for the rigid part, which is most of it.
-            x0=free_rates,
-            tol=tolerance,
-            restart=iterations,
-            maxiter=3,
-            solve_method="incremental",
-        )
-        error = jnp.linalg.norm(equation(solution) - right)
-        return jnp.where(error <= 2.0 * tolerance * jnp.linalg.norm(right), solution, jnp.nan)
+        return gmres(equation, right, tolerance=tolerance, iterations=iterations)
 
 
 def _by_cell(matrices: Array, motions: Array) -> Array:

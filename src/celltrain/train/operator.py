@@ -7,6 +7,8 @@ small part that would change a cell's volume: the expansion's truncation lets a 
 about 1e-6 r0^3 per r0/U, and with it steady trains would not exist to better than that.
 """
 
+import math
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -14,19 +16,25 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.flow import OwnSurfaceRule, PeriodicTube, Sources, own_surface_rule, periodic_tube
-from celltrain.flow.sources import SYMMETRIC
+from celltrain.flow.close import close_rule
+from celltrain.flow.neighbours import CloseEvaluation
+from celltrain.flow.sources import SYMMETRIC, Surface
 from celltrain.harmonics import SphereGrid, harmonic_tables, sphere_grid
 from celltrain.membrane import Membrane, make_membrane, reference_coefficients
 from celltrain.membrane.laws import make_law
 from celltrain.parameters import Resolution, Train
+from celltrain.train.gmres import Convergence
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
 
 Shapes = Float[Array, "cell 3 coefficient"]
 
 # Largest axial distance of a membrane from its cell's centre for which images are counted.
 HALF_LENGTH = 2.5
-# Iterations of GMRES before a restart; what bounds them is in `InteriorFlow`.
-SOLVER_ITERATIONS = 30
+# Distance from a membrane, in steps of its source grid (unit sphere), below which the graded rule
+# replaces that grid. Membranes are stretched by up to 1.4 against the unit sphere.
+CLOSE_STEPS = 4.2
+# Most iterations of GMRES; at most 20 are needed for ratios from 0.01 to 1000.
+SOLVER_ITERATIONS = 40
 # Residual of that equation relative to the tolerance of the sums in it.
 SOLVER_TOLERANCE = 0.1
 
@@ -50,16 +58,22 @@ class TrainOperator(eqx.Module):
 
     def rates(self, shapes: Shapes) -> Shapes:
         """v(s) = ds/dt, in U; not a number if the flow inside the cells could not be solved for."""
+        return self.solved_rates(shapes)[0]
+
+    def solved_rates(self, shapes: Shapes) -> tuple[Shapes, Convergence | None]:
+        """The rates, and how the equation for the flow inside the cells was solved, if there is."""
         free_rates = self.free_rates(shapes)
         if self.viscosity_ratio is None:
-            return free_rates
-        return self.interior_flow(shapes).solve(
+            return free_rates, None
+        rates, convergence = self.interior_flow(shapes).solve(
             self.outer_motion(shapes),
             self.viscosity_ratio,
             free_rates,
             tolerance=self.solver_tolerance,
             iterations=SOLVER_ITERATIONS,
         )
+        solved = convergence.residual <= 10.0 * self.solver_tolerance
+        return jnp.where(solved, rates, jnp.nan), convergence
 
     def free_rates(self, shapes: Shapes) -> Shapes:
         """The rates that the same membranes would have at a viscosity ratio of 1."""
@@ -76,10 +90,15 @@ class TrainOperator(eqx.Module):
     def outer_motion(self, shapes: Shapes) -> Outer:
         """What cells' motions give through other cells, images and the wall, as rates."""
         targets, owners = self.targets(shapes), jnp.arange(shapes.shape[0])
+        points = self.source_points(shapes)
+        neighbours = self.tube.neighbours(targets, owners, points, shapes=shapes)
 
         def outer(motions: Shapes) -> Array:
             sources = self.motion_sources(shapes, motions)
-            return self.project(self.tube.velocity(targets, owners, sources, mean_flow=False))
+            velocity = self.tube.velocity(
+                targets, owners, sources, neighbours=neighbours, mean_flow=False
+            )
+            return self.project(velocity)
 
         return outer
 
@@ -103,26 +122,31 @@ class TrainOperator(eqx.Module):
             values = values[:, :1]
         return jnp.einsum("rak,cik->crai", values, shapes)
 
-    def sources(self, shapes: Shapes, forces: Shapes) -> Sources:
-        """Points of the source grid and the point forces there."""
+    def source_points(self, shapes: Shapes) -> Float[Array, "cell ring azimuth 3"]:
+        """Points of the source grid on each cell."""
         grid = self.source_grid
-        shape = (shapes.shape[0], grid.rings, grid.azimuths, 3)
         points = jnp.einsum("pk,cik->cpi", grid.values, shapes)
+        return points.reshape(shapes.shape[0], grid.rings, grid.azimuths, 3)
+
+    def sources(self, shapes: Shapes, forces: Shapes) -> Sources:
+        """The source grid with the point forces there."""
+        grid, points = self.source_grid, self.source_points(shapes)
         strengths = jnp.einsum("pk,cik->cpi", grid.values * grid.weights[:, None], forces)
-        return Sources(points.reshape(shape), forces=strengths.reshape(shape))
+        surface = Surface(shapes, forces=forces)
+        return Sources(points, forces=strengths.reshape(points.shape), surface=surface)
 
     def motion_sources(self, shapes: Shapes, motions: Shapes) -> Sources:
-        """Points of the source grid and the stresslets there of a double layer w = u."""
-        grid = self.source_grid
-        points = jnp.einsum("pk,cik->cpi", grid.values, shapes)
+        """The source grid with the stresslets there of a double layer w = u."""
+        grid, points = self.source_grid, self.source_points(shapes)
         down, across = jnp.einsum("dpk,cik->dcpi", self.source_tangents, shapes)
         normals = jnp.cross(down, across)
         values = jnp.einsum("pk,cik->cpi", grid.values * grid.weights[:, None], motions)
         dyads = [values[..., i] * normals[..., j] for i, j in SYMMETRIC]
         twins = [values[..., j] * normals[..., i] for i, j in SYMMETRIC]
         stresslets = jnp.stack(dyads, axis=-1) + jnp.stack(twins, axis=-1)
-        shape = (shapes.shape[0], grid.rings, grid.azimuths)
-        return Sources(points.reshape(*shape, 3), stresslets=stresslets.reshape(*shape, 6))
+        stresslets = stresslets.reshape(*points.shape[:3], 6)
+        surface = Surface(shapes, densities=motions)
+        return Sources(points, stresslets=stresslets, surface=surface)
 
     def own_velocity(
         self, targets: Float[Array, "cell ring azimuth 3"], shapes: Shapes, forces: Shapes
@@ -218,6 +242,11 @@ def place_cells(
     return shapes
 
 
+def close_distance(train: Train) -> float:
+    """Distance from a membrane, in r0, below which its ordinary source grid does not serve."""
+    return CLOSE_STEPS * math.pi / train.resolution.source_order
+
+
 def train_operator(
     train: Train,
     *,
@@ -225,6 +254,8 @@ def train_operator(
     rings: bool = True,
     meridian: bool = False,
     wave_number: float | None = None,
+    close: bool | None = None,
+    gap: float | None = None,
 ) -> TrainOperator:
     """The operator for `cells` cells in a period of their own.
 
@@ -235,6 +266,10 @@ def train_operator(
     - `meridian`: only axisymmetric shapes and disturbances.
     - `wave_number`: q in radians per period, for disturbances that change by exp(i q) from one
       period to the next.
+    - `close`: whether cells may come closer to each other or to the wall than `close_distance`;
+      by default they may, unless they form rings.
+    - `gap`: smallest distance of a cell from the wall for which the wall is resolved, in r0; by
+      default that of a resting cell on the axis.
     """
     resolution: Resolution = train.resolution
     resting = train_membrane(train)
@@ -244,19 +279,24 @@ def train_operator(
     tangents = harmonic_tables(resolution.degree, theta, phi)
     ratio = train.flow.viscosity_ratio
     widest = float(
-        np.hypot(
-            *np.asarray(jnp.einsum("pk,ik->ip", target_grid.values, resting.reference_shape))[:2]
-        ).max()
+        np.hypot(*np.asarray(target_grid.values @ resting.reference_shape[:2].T).T).max()
     )
+
+    def close_evaluation(parameter: float) -> CloseEvaluation:
+        distance = close_distance(train)
+        rule = close_rule(resolution.degree, parameter=parameter, farthest=distance)
+        return CloseEvaluation(rule, jnp.asarray(np.stack([theta, phi], axis=-1)), distance)
+
     tube = periodic_tube(
         train.tube.diameter,
         cells * train.period,
-        gap=train.radius - widest,
+        gap=train.radius - widest if gap is None else gap,
         extent=HALF_LENGTH,
         cutoff=resolution.near_cutoff,
         tolerance=resolution.tolerance,
         rings=rings,
         wave_number=wave_number,
+        close=close_evaluation if (not rings if close is None else close) else None,
     )
     return TrainOperator(
         membrane=resting,

@@ -1,0 +1,268 @@
+"""The command that simulates: ``celltrain evolve``.
+
+Exit status 0: the time asked for is reached; 2: bad input, nothing written; 3: the steady train did
+not converge, or the simulation could not go on (the file holds all until then); 130: interrupted by
+Ctrl-C or SIGTERM, and saved: ``--resume`` goes on with it.
+"""
+
+import json as json_module
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stdout
+from pathlib import Path
+from typing import Annotated, Any, cast
+
+from cyclopts import Parameter
+from rich.console import Console
+
+from celltrain.cli.options import CaseOptions, given_leaves
+from celltrain.cli.outputs import check_output
+from celltrain.cli.progress import Reporter
+from celltrain.evolution import (
+    Disturbance,
+    ForwardEuler,
+    FromFile,
+    Leading,
+    Mode,
+    RandomDisplacement,
+    Run,
+    RungeKuttaChebyshev,
+    StepFailed,
+    Transient,
+    resume,
+)
+from celltrain.evolution import evolve as simulate
+from celltrain.evolution.integrator import check_positive
+from celltrain.evolution.report import SimulationReporter, print_run, run_summary
+from celltrain.parameters import CaseError, merge_case, read_case
+from celltrain.results import load
+from celltrain.stability import Stability, check_linearisable, stability
+from celltrain.steady import Base, NotConverged, steady
+
+#: Exit status of a simulation, or of its steady train, that could not go on.
+FAILED = 3
+INTERRUPTED = 130
+DEFAULT_AMPLITUDE = 0.1
+
+Source = Annotated[
+    Path | None,
+    Parameter(
+        help="TOML file of the case, or netCDF file of a result (.nc) to start from; options"
+        " override the case."
+    ),
+]
+DisturbanceName = Annotated[
+    str,
+    Parameter(
+        help="leading, mode:NUMBER (from 1, by falling growth rate), transient, random or"
+        " random:SEED (rigid displacements), or a file: of a simulation, whose last shapes are"
+        " taken, or .npy with the change of the coefficients."
+    ),
+]
+Amplitude = Annotated[
+    float | None,
+    Parameter(help="Size of the disturbance (Eq. 8), r0; default: 0.1, of a file as it is."),
+]
+Until = Annotated[
+    float | None, Parameter(help="Last time, r0/U; with --resume, if not given, that of the file.")
+]
+Every = Annotated[float, Parameter(help="Time between frames, r0/U.")]
+StepTolerance = Annotated[
+    float,
+    Parameter(
+        help="Error of a step relative to the distance from the steady train (1 r0 at most)."
+    ),
+]
+EulerStep = Annotated[
+    float | None,
+    Parameter(help="Take forward Euler steps of this size, r0/U, in place of adaptive ones."),
+]
+SaveSeconds = Annotated[
+    float, Parameter(help="Wall time between saves, s; 0 saves after every step.")
+]
+Output = Annotated[
+    Path | None, Parameter(name=("--output", "-o"), help="netCDF file of the simulation.")
+]
+Resume = Annotated[
+    bool, Parameter(help="Go on with the simulation in the output file.", negative=())
+]
+Overwrite = Annotated[bool, Parameter(help="Replace the output file.", negative=())]
+Json = Annotated[bool, Parameter(help="Print one JSON object and nothing else.", negative=())]
+Quiet = Annotated[bool, Parameter(help="No progress on standard error.", negative=())]
+
+
+def evolve(
+    source: Source = None,
+    /,
+    *,
+    options: CaseOptions = None,
+    disturbance: DisturbanceName = "leading",
+    amplitude: Amplitude = None,
+    until: Until = None,
+    every: Every = 1.0,
+    step_tolerance: StepTolerance = 1e-3,
+    euler_step: EulerStep = None,
+    save_seconds: SaveSeconds = 30.0,
+    output: Output = None,
+    resume: Resume = False,
+    overwrite: Overwrite = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Simulate a disturbed train; the file may be read, the simulation killed and gone on with."""
+    errors = Console(stderr=True)
+    leaves = given_leaves(options)
+    with redirect_stdout(sys.stderr), _terminable():
+        try:
+            if resume:
+                run = _go_on(source, leaves, output, until, save_seconds, errors, quiet)
+            else:
+                place = _checked_output(output, until, overwrite)
+                integrator = (
+                    RungeKuttaChebyshev(step_tolerance)
+                    if euler_step is None
+                    else ForwardEuler(euler_step)
+                )
+                wanted = parse_disturbance(disturbance, amplitude)
+                start = _start(source, leaves, wanted, errors, quiet)
+                with SimulationReporter(errors, quiet=quiet) as reporter:
+                    run = simulate(
+                        start,
+                        wanted,
+                        until=cast(float, until),
+                        every=every,
+                        integrator=integrator,
+                        path=place,
+                        overwrite=overwrite,
+                        save_seconds=save_seconds,
+                        progress=reporter.step,
+                    )
+        except NotConverged as failure:
+            errors.print(f"not converged: {failure}", markup=False, highlight=False)
+            return FAILED
+        except StepFailed as failure:
+            errors.print(f"celltrain: {failure}", markup=False, highlight=False)
+            return FAILED
+    if json:
+        print(json_module.dumps(run_summary(run), indent=2, allow_nan=False))
+    else:
+        print_run(run, Console())
+    return _status(run, output, errors)
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """Let SIGTERM, as batch systems send it, end a simulation as Ctrl-C does: saved."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _checked_output(output: Path | None, until: float | None, overwrite: bool) -> Path:
+    """The file of a new simulation; nothing is computed before it is known to be possible."""
+    if output is None:
+        raise CaseError("output is missing: name a file (-o FILE.nc)")
+    if until is None:
+        raise CaseError("until is missing (last time, r0/U); allowed: a number > 0")
+    check_positive("until", until)
+    check_output(output)
+    if output.exists() and not overwrite:
+        raise CaseError(
+            f"output = {str(output)!r} is not allowed: it exists; allowed: another file, or"
+            " --resume, or --overwrite"
+        )
+    return output
+
+
+def parse_disturbance(text: str, amplitude: float | None) -> Disturbance:
+    """The disturbance that an option names.
+
+    Raises:
+        CaseError: if there is none of that name.
+    """
+    name, _, number = text.partition(":")
+    size = DEFAULT_AMPLITUDE if amplitude is None else amplitude
+    if text in ("leading", "transient"):
+        return Leading(size) if text == "leading" else Transient(size)
+    if (name == "mode" and number.isdecimal()) or (name == "random" and number.isdecimal()):
+        return Mode(int(number), size) if name == "mode" else RandomDisplacement(size, int(number))
+    if text == "random":
+        return RandomDisplacement(size)
+    if Path(text).suffix in (".nc", ".npy"):
+        return FromFile(Path(text), amplitude)
+    raise CaseError(
+        f"disturbance = {text!r} is not allowed; allowed: leading, mode:NUMBER, transient, random,"
+        " random:SEED, or a file (.nc, .npy)"
+    )
+
+
+def _go_on(
+    source: Path | None,
+    leaves: Mapping[str, Any],
+    output: Path | None,
+    until: float | None,
+    save_seconds: float,
+    errors: Console,
+    quiet: bool,
+) -> Run:
+    if output is None:
+        raise CaseError("output is missing: name the file to go on with (-o FILE.nc)")
+    if source is not None or leaves:
+        raise CaseError(
+            "a case is not allowed with --resume: the simulation goes on with that of its file"
+        )
+    if not output.is_file():
+        raise CaseError(f"output = {str(output)!r} cannot be gone on with: there is no such file")
+    with SimulationReporter(errors, quiet=quiet) as reporter:
+        return resume(output, until=until, save_seconds=save_seconds, progress=reporter.step)
+
+
+def _start(
+    source: Path | None,
+    leaves: Mapping[str, Any],
+    disturbance: Disturbance,
+    errors: Console,
+    quiet: bool,
+) -> Base | Stability:
+    """What the simulation starts from: read if it is there, computed otherwise."""
+    known: Base | Stability | None = None
+    if source is not None and source.suffix == ".nc":
+        try:
+            known = load(source)
+        except (OSError, ValueError, KeyError) as error:
+            raise CaseError(f"{str(source)!r} is no result of celltrain: {error}") from None
+    base = known.base if isinstance(known, Stability) else known
+    if base is None:
+        train = merge_case(read_case(source) if source else {}, leaves)
+    elif leaves.get("units") == "SI":
+        train = merge_case(base.train.leaves("SI"), leaves)
+    else:
+        changes = {name: value for name, value in leaves.items() if name != "units"}
+        train = base.train.changed(**changes)
+    if isinstance(known, Stability) and train == known.base.train:
+        return known
+    linear = isinstance(disturbance, Leading | Mode | Transient)
+    if linear:
+        check_linearisable(train, None)
+    with Reporter(errors, quiet=quiet) as reporter:
+        if base is None or train != base.train:
+            base = steady(train, start=base, progress=reporter.iteration)
+        if not linear:
+            return base
+        return stability(base, estimate_error=False, progress=reporter.share)
+
+
+def _status(run: Run, output: Path | None, errors: Console) -> int:
+    if run.ending.kind == "complete":
+        return 0
+    errors.print(f"celltrain: {run.ending.message}", markup=False, highlight=False, soft_wrap=True)
+    if run.ending.kind != "not_saved":
+        errors.print(f"all until t = {run.state.time:.6g} r0/U is in {output}", markup=False)
+    return INTERRUPTED if run.ending.kind == "interrupted" else FAILED

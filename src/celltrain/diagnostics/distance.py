@@ -1,0 +1,159 @@
+"""Smallest distances: from each cell to the wall, and to the nearest other cell.
+
+Distances are taken between points of the membranes, first those of a grid, then ever finer patches
+around the closest ones. So each is an upper bound. It is sharp (to about 1e-8 r0) if the closest
+points of the grid lie in the right valley, which can fail where two places are nearly equally
+close. Cells that cross each other have distance 0, to about 1e-5 r0, however deep one is in the
+other; the distance to the wall is negative for a cell that sticks out.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial import cKDTree
+
+from celltrain.harmonics import real_harmonics, sphere_grid
+
+# Patches, each finer than the last one by this factor; nodes of one from its middle to its edge.
+LEVELS = 9
+FINER = 0.4
+REACH = 2
+
+Shapes = Float[np.ndarray, "cell 3 coefficient"]
+Directions = Float[np.ndarray, "cell 3"]
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Points of the unit sphere, their harmonics, and their spacing as an angle."""
+
+    directions: Float[np.ndarray, "point 3"]
+    values: Float[np.ndarray, "point coefficient"]
+    spacing: float
+
+
+@lru_cache(maxsize=4)
+def _grid(degree: int) -> _Grid:
+    order = 2 * degree
+    grid = sphere_grid(degree, order)
+    theta, phi = grid.points()
+    sine = np.sin(theta)
+    directions = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)], axis=-1)
+    return _Grid(directions, np.asarray(grid.values), np.pi / order)
+
+
+def wall_distance(shapes: Shapes, radius: float) -> Float[np.ndarray, " cell"]:
+    """Distance of each cell from the wall of a tube of the given radius, in r0."""
+    grid = _grid(int(np.sqrt(shapes.shape[-1])))
+    points = np.einsum("pk,cik->cpi", grid.values, shapes)
+    at = grid.directions[np.argmax(np.hypot(points[..., 0], points[..., 1]), axis=1)]
+    largest = np.zeros(len(shapes))
+    for level in range(LEVELS):
+        patch = _patch(at, grid.spacing * FINER ** (level + 1))
+        points = _evaluate(shapes, patch)
+        radii = np.hypot(points[..., 0], points[..., 1])
+        best = np.argmax(radii, axis=1)
+        largest = radii.max(axis=1)
+        at = patch[np.arange(len(shapes)), best]
+    return radius - largest
+
+
+def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
+    """Distance of each cell from the nearest other membrane, in r0.
+
+    **Arguments:** `length`: period of the whole train; images of all cells count, a cell's own too.
+    """
+    grid = _grid(int(np.sqrt(shapes.shape[-1])))
+    cells = np.arange(len(shapes))
+    points = np.einsum("pk,cik->cpi", grid.values, shapes)
+    near = _nearest_points(points, length)
+    moved = shapes[near.partner]
+    # Y_00 = 1/sqrt(4 pi).
+    moved[:, 2, 0] += np.sqrt(4.0 * np.pi) * near.shift
+    ours, theirs = grid.directions[near.point], grid.directions[near.partner_point]
+    smallest = np.zeros(len(shapes))
+    for level in range(LEVELS):
+        size = grid.spacing * FINER ** (level + 1)
+        first, second = _patch(ours, size), _patch(theirs, size)
+        both = _evaluate(np.concatenate([shapes, moved]), np.concatenate([first, second]))
+        here, there = both[: len(shapes)], both[len(shapes) :]
+        squares = np.sum((here[:, :, None] - there[:, None]) ** 2, axis=-1)
+        best = np.argmin(squares.reshape(len(shapes), -1), axis=1)
+        smallest = np.sqrt(squares.reshape(len(shapes), -1)[cells, best])
+        ours = first[cells, best // squares.shape[2]]
+        theirs = second[cells, best % squares.shape[2]]
+    return smallest
+
+
+@dataclass(frozen=True)
+class _Nearest:
+    """For each cell the nearest other one, its axial shift, and the closest points of both."""
+
+    partner: Int[np.ndarray, " cell"]
+    shift: Float[np.ndarray, " cell"]
+    point: Int[np.ndarray, " cell"]
+    partner_point: Int[np.ndarray, " cell"]
+
+
+def _nearest_points(points: Float[np.ndarray, "cell point 3"], length: float) -> _Nearest:
+    """Search the points of the grid, pairs of cells whose spheres are closest first."""
+    cells = len(points)
+    centres = points.mean(axis=1)
+    reach = np.linalg.norm(points - centres[:, None], axis=-1).max(axis=1)
+    first, second = np.triu_indices(cells)
+    away = centres[first, 2] - centres[second, 2]
+    images = np.round(away / length)[:, None] + [-1.0, 0.0, 1.0]
+    # A cell and its own image before it are the same pair as it and the one behind.
+    images = np.where((first == second)[:, None], 1.0, images)
+    shifts = length * images
+    apart = centres[first] - centres[second]
+    offset = np.repeat(apart[:, None], 3, axis=1)
+    offset[..., 2] -= shifts
+    bound = np.linalg.norm(offset, axis=-1) - (reach[first] + reach[second])[:, None]
+
+    trees = [cKDTree(each) for each in points]
+    smallest = np.full(cells, np.inf)
+    partner, point, partner_point = (np.zeros(cells, dtype=int) for _ in range(3))
+    shift = np.zeros(cells)
+    for place in np.argsort(bound, axis=None, kind="stable"):
+        if bound.flat[place] >= smallest.max():
+            break
+        pair, image = divmod(int(place), 3)
+        p, q, move = first[pair], second[pair], shifts[pair, image]
+        if bound[pair, image] >= max(smallest[p], smallest[q]):
+            continue
+        distance, index = trees[q].query(points[p] - [0.0, 0.0, move])
+        closest = int(np.argmin(distance))
+        found, other = distance[closest], int(index[closest])
+        if found < smallest[p]:
+            smallest[p], partner[p], shift[p] = found, q, move
+            point[p], partner_point[p] = closest, other
+        if found < smallest[q]:
+            smallest[q], partner[q], shift[q] = found, p, -move
+            point[q], partner_point[q] = other, closest
+    return _Nearest(partner, shift, point, partner_point)
+
+
+def _patch(middle: Directions, spacing: float) -> Float[np.ndarray, "cell node 3"]:
+    """Directions around one for each cell, on a square patch of the given spacing (an angle)."""
+    away = np.where(np.abs(middle[:, 2:]) < 0.7, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+    across = np.cross(away, middle)
+    across /= np.linalg.norm(across, axis=-1, keepdims=True)
+    along = np.cross(middle, across)
+    steps = spacing * np.arange(-REACH, REACH + 1)
+    u, v = (each.ravel()[:, None] for each in np.meshgrid(steps, steps))
+    patch = middle[:, None] + u * across[:, None] + v * along[:, None]
+    return patch / np.linalg.norm(patch, axis=-1, keepdims=True)
+
+
+def _evaluate(
+    shapes: Shapes, directions: Float[np.ndarray, "cell node 3"]
+) -> Float[np.ndarray, "cell node 3"]:
+    """Points of each cell's membrane, in r0."""
+    x, y, z = np.moveaxis(directions.reshape(-1, 3), -1, 0)
+    degree = int(np.sqrt(shapes.shape[-1]))
+    values = real_harmonics(degree, np.arctan2(np.hypot(x, y), z), np.arctan2(y, x))
+    values = values.reshape(*directions.shape[:2], -1)
+    return values @ np.swapaxes(shapes, 1, 2)

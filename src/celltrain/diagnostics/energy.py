@@ -1,0 +1,101 @@
+"""Strain energy of a cell by what resists: shear, dilatation, bending.
+
+    W = W_s + W_d + W_b,                                       Eqs. (23), (24)
+
+of Bryngelson & Freund (2018): the terms with the moduli Es, Ed and Eb. The sum is
+`Membrane.energy`, the energy whose gradient is the force, with bending
+Eb/2 tr((kappa - kappa_ref)^2) for each area at rest; Eq. (23) writes that term with differences of
+the principal curvatures.
+"""
+
+import dataclasses
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from celltrain.diagnostics.spectrum import disturbance_amplitude
+from celltrain.membrane import Membrane
+from celltrain.membrane.laws import ConstitutiveLaw
+from celltrain.parameters import CaseError
+from celltrain.steady import Base
+from celltrain.train import train_membrane
+
+#: The parts of the energy, and the modulus of the membrane or its law that each belongs to.
+ENERGY_PARTS = {
+    "shear": "shear_modulus",
+    "dilatation": "dilatation_modulus",
+    "bending": "bending_modulus",
+}
+
+#: The amplitude at which the paper computes energies, in r0.
+PAPER_AMPLITUDE = 1e-3
+
+
+def energy_parts(membrane: Membrane, shape: Float[Array, "3 coefficient"]) -> Float[Array, "3"]:
+    """Shear, dilatation and bending energy of one cell, in mu U r0^2.
+
+    The energy is linear in the moduli, so each part is the energy with the other moduli zero. A law
+    without a dilatation modulus has no energy of dilatation.
+    """
+    parts = [_with_only(membrane, modulus).energy(shape) for modulus in ENERGY_PARTS.values()]
+    return jnp.stack(parts)
+
+
+def _with_only(membrane: Membrane, modulus: str) -> Membrane:
+    """The membrane without its moduli but one."""
+    law = membrane.law
+    others = [name for name in _moduli(law) if name != modulus]
+    if others:
+        kept = [jnp.zeros(()) for _ in others]
+        law = eqx.tree_at(lambda each: [getattr(each, name) for name in others], law, kept)
+    bending = membrane.bending_modulus if modulus == "bending_modulus" else jnp.zeros(())
+    return eqx.tree_at(lambda each: (each.law, each.bending_modulus), membrane, (law, bending))
+
+
+def _moduli(law: ConstitutiveLaw) -> list[str]:
+    return [field.name for field in dataclasses.fields(law)]
+
+
+def perturbation_energy(
+    base: Base,
+    disturbance: Float[np.ndarray, "cell 3 coefficient"],
+    amplitude: float = PAPER_AMPLITUDE,
+) -> Float[np.ndarray, "3"]:
+    """Strain energy of a disturbance by shear, dilatation and bending, Eq. (24) and Table I.
+
+        W = (r0/(eps N)) sum_i (W_i - W_i^B),
+
+    in mu U r0^2, of the steady train plus the disturbance scaled to the amplitude eps. To first
+    order the cells' energies add up to nothing unless the disturbance is axisymmetric and alike in
+    all cells; then W depends on its sign. Otherwise W is proportional to eps.
+
+    What Table I is in is open. "6e-18 J" for W = 2.4 means mu U* r0^2, U* = U/10 as for the rates
+    (see `parameters.units`). In that unit, at M = 12, its numbers are 0.4 to 2.3 times the sum over
+    the eight cells, 3 to 18 times their average.
+
+    **Arguments:**
+
+    - `disturbance`: of every cell, as from `Stability.shape` or `Stability.transient_shape`.
+    - `amplitude`: eps in the norm of Eq. (8), in r0.
+
+    **Raises:** `CaseError` for an amplitude that is not positive or a disturbance that is zero.
+    """
+    size = disturbance_amplitude(disturbance)
+    if not amplitude > 0.0 or not size > 0.0:
+        raise CaseError(
+            f"amplitude = {amplitude:g} of a disturbance of norm {size:g} is not allowed: allowed"
+            " are both > 0"
+        )
+    shapes = base.coefficients + amplitude / size * disturbance
+    parts = _energies(train_membrane(base.train), jnp.asarray([base.coefficients, *shapes]))
+    return np.asarray(jnp.mean(parts[1:] - parts[0], axis=0)) / amplitude
+
+
+@eqx.filter_jit
+def _energies(
+    membrane: Membrane, shapes: Float[Array, "shape 3 coefficient"]
+) -> Float[Array, "shape 3"]:
+    return jax.vmap(lambda shape: energy_parts(membrane, shape))(shapes)

@@ -1,0 +1,29 @@
+"""How large a disturbance is, and how it is spread over the harmonics."""
+
+import numpy as np
+from jaxtyping import Float
+
+from celltrain.harmonics import degrees_and_orders
+
+
+def deformation_spectrum(
+    disturbance: Float[np.ndarray, "cell 3 coefficient"],
+) -> Float[np.ndarray, " degree"]:
+    """E_n of Eq. (16) of Bryngelson & Freund (2018), in r0^2, for n = 0 ... M - 1.
+
+        E_n = (1/N) sum_j sum_m (a_nm^2 + b_nm^2)   (summed over x, y, z),
+
+    a, b the paper's coefficients, s/sqrt(2 pi) for order 0 and s/sqrt(pi) otherwise.
+    """
+    degree = int(np.sqrt(disturbance.shape[-1]))
+    n, order = degrees_and_orders(degree)
+    squares = np.sum(disturbance**2, axis=1).mean(axis=0) / np.where(order == 0, 2.0, 1.0) / np.pi
+    return np.bincount(n, weights=squares)
+
+
+def disturbance_amplitude(disturbance: Float[np.ndarray, "cell 3 coefficient"]) -> float:
+    """Norm eps of a disturbance of all cells, Eq. (8) of Bryngelson & Freund (2018), in r0.
+
+    eps^2 is the sum of the squares of the paper's coefficients over all cells, N sum_n E_n.
+    """
+    return float(np.sqrt(len(disturbance) * np.sum(deformation_spectrum(disturbance))))

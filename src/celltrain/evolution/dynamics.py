@@ -1,0 +1,164 @@
+"""The dynamics of a train in the frame of its steady flow, and what is done after each step.
+
+Shapes are those of all N cells, on the host: a few tens of kilobytes, so that integrators may
+combine them there and only one program, the rates, is compiled for all of them.
+"""
+
+from dataclasses import dataclass
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from celltrain.evolution.amplitude import paper_weights
+from celltrain.membrane import surface_geometry
+from celltrain.steady import Base
+from celltrain.train import TrainOperator, place_cells, train_operator
+
+Shapes = Float[np.ndarray, "cell 3 coefficient"]
+
+# A displacement by d adds d sqrt(4 pi) to the coefficient of Y_00.
+UNIT_DISPLACEMENT = float(np.sqrt(4.0 * np.pi))
+# Corrections of the volume after a step; Newton's method needs no more.
+VOLUME_ITERATIONS = 2
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Shapes made fit to go on from, and what is measured of them.
+
+    Attributes:
+        shapes: with the volumes of the steady train, every cell's mean point in the train's window.
+        laps: how many lengths of the train each cell is put back by.
+        volume_correction: largest displacement that the correction of the volumes took, r0.
+        eps: size of the disturbance, Eq. (8), r0.
+        eps_x: root of the sum over the cells of the mean square displacement of the membrane over
+            solid angle, r0.
+        energy: elastic energy of all membranes, mu U r0^2.
+        area: area of all membranes, r0^2.
+    """
+
+    shapes: Shapes
+    laps: Int[np.ndarray, " cell"]
+    volume_correction: float
+    eps: float
+    eps_x: float
+    energy: float
+    area: float
+
+
+class _Measured(eqx.Module):
+    shapes: Float[Array, "cell 3 coefficient"]
+    laps: Int[Array, " cell"]
+    numbers: Float[Array, "5"]
+
+
+class Dynamics(eqx.Module):
+    """Rates of change of a train's shapes, relative to its steady flow.
+
+    `base` are the shapes of the steady train, at rest in this frame; `weights` those of the paper's
+    norm. Displacements and distances are in r0, rates in U.
+    """
+
+    operator: TrainOperator
+    base: Float[Array, "cell 3 coefficient"]
+    weights: Float[Array, " coefficient"]
+    cell_velocity: Float[Array, ""]
+    length: Float[Array, ""]
+    volume: Float[Array, ""]
+
+    def rates(self, shapes: Shapes) -> Shapes:
+        """ds/dt in the frame of the steady train, in U; not numbers for shapes that are none."""
+        if not np.isfinite(shapes).all():
+            # The nonuniform Fourier transform ends the process when it meets such points.
+            return np.full_like(shapes, np.nan)
+        return np.asarray(_rates(self, jnp.asarray(shapes)))
+
+    def tube_rates(self, rates: Shapes) -> Shapes:
+        """The same rates relative to the tube."""
+        moved = np.array(rates)
+        moved[:, 2, 0] += UNIT_DISPLACEMENT * float(self.cell_velocity)
+        return moved
+
+    def continuous(self, shapes: Shapes, laps: Int[np.ndarray, " cell"]) -> Shapes:
+        """Shapes where the cells have really gone, not put back by lengths of the train."""
+        moved = np.array(shapes)
+        moved[:, 2, 0] += UNIT_DISPLACEMENT * float(self.length) * laps
+        return moved
+
+    def settle(self, shapes: Shapes) -> Settled:
+        """Correct the volumes, put cells back into the train's window, and measure.
+
+        `shapes` are continuous ones. The near sums count the images that cells within one length of
+        the train can meet, so a cell whose mean point has left the window of that length is put
+        back by whole lengths.
+        """
+        found = _settle(self, jnp.asarray(shapes))
+        correction, *rest = (float(number) for number in np.asarray(found.numbers))
+        return Settled(np.asarray(found.shapes), np.asarray(found.laps), correction, *rest)
+
+    def displacement(self, change: Shapes) -> float:
+        """Largest displacement of a membrane's point by a change of the shapes, in r0."""
+        moved = change @ np.asarray(self.operator.target_grid.values).T
+        return float(np.sqrt(np.max(np.sum(moved**2, axis=1))))
+
+    def departure(self, shapes: Shapes) -> float:
+        """Largest distance of a membrane's point from the steady train, of continuous shapes."""
+        return self.displacement(shapes - np.asarray(self.base))
+
+
+def train_dynamics(base: Base) -> Dynamics:
+    """The dynamics of the N cells of a train about a steady state."""
+    train = base.train
+    operator = train_operator(train, cells=train.cells, rings=False)
+    return Dynamics(
+        operator=operator,
+        base=jnp.asarray(place_cells(base.coefficients, train, train.cells)),
+        weights=jnp.asarray(paper_weights(train.resolution.degree)),
+        cell_velocity=jnp.asarray(base.cell_velocity),
+        length=jnp.asarray(train.length),
+        volume=operator.membrane.volume(jnp.asarray(base.coefficients)),
+    )
+
+
+@eqx.filter_jit
+def _rates(dynamics: Dynamics, shapes: Array) -> Array:
+    rates = dynamics.operator.rates(shapes)
+    return rates.at[:, 2, 0].add(-UNIT_DISPLACEMENT * dynamics.cell_velocity)
+
+
+@eqx.filter_jit
+def _settle(dynamics: Dynamics, shapes: Array) -> _Measured:
+    membrane, base = dynamics.operator.membrane, dynamics.base
+
+    def corrected(shape: Array) -> Array:
+        for _ in range(VOLUME_ITERATIONS):
+            gradient = membrane.volume_gradient(shape)
+            missing = dynamics.volume - membrane.volume(shape)
+            shape = shape + missing / jnp.sum(gradient**2) * gradient
+        return shape
+
+    def area(shape: Array) -> Array:
+        element = surface_geometry(membrane.tables, shape).area
+        return jnp.sum(element * membrane.inverse_sine * membrane.weights)
+
+    settled = jax.vmap(corrected)(shapes)
+    correction = (settled - shapes) @ dynamics.operator.target_grid.values.T
+    displaced = settled - base
+    # The window starts half a cell's period before the first cell of the steady train.
+    start = base[0, 2, 0] / UNIT_DISPLACEMENT - 0.5 * dynamics.length / base.shape[0]
+    places = settled[:, 2, 0] / UNIT_DISPLACEMENT - start
+    laps = jnp.floor(places / dynamics.length)
+    numbers = jnp.stack(
+        [
+            jnp.sqrt(jnp.max(jnp.sum(correction**2, axis=1))),
+            jnp.sqrt(jnp.sum(dynamics.weights * displaced**2)),
+            jnp.sqrt(jnp.sum(displaced**2)) / UNIT_DISPLACEMENT,
+            jnp.sum(jax.vmap(membrane.energy)(settled)),
+            jnp.sum(jax.vmap(area)(settled)),
+        ]
+    )
+    wrapped = settled.at[:, 2, 0].add(-UNIT_DISPLACEMENT * dynamics.length * laps)
+    return _Measured(wrapped, laps.astype(int), numbers)

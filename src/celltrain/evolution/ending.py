@@ -1,0 +1,35 @@
+"""Why a simulation ended."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+EndingKind = Literal[
+    "running",
+    "complete",
+    "steps",
+    "interrupted",
+    "not_finite",
+    "step_too_small",
+    "overlap",
+    "not_saved",
+    "failed",
+]
+
+
+@dataclass(frozen=True)
+class Ending:
+    """Why a simulation ended, as a word and a sentence; "running" as long as it has not.
+
+    "complete": the time asked for is reached; "steps": as many steps as asked for are taken;
+    "interrupted": by the user; "not_finite": velocities are no numbers; "step_too_small"; "overlap"
+    of cells or of a cell and the wall; "not_saved": the file could not be written; "failed": the
+    velocity could not be computed. All but the first can be gone on from, if the reason is gone.
+    """
+
+    kind: EndingKind
+    message: str
+
+    @property
+    def failed(self) -> bool:
+        """Whether the simulation could not go on."""
+        return self.kind not in ("running", "complete", "steps", "interrupted")

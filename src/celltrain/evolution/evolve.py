@@ -1,0 +1,158 @@
+"""Simulate a disturbed train, or go on with a simulation."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from celltrain.evolution.archive import Archive, load_run, remove_leftovers
+from celltrain.evolution.disturbances import Disturbance
+from celltrain.evolution.dynamics import train_dynamics
+from celltrain.evolution.ending import Ending
+from celltrain.evolution.integrator import Integrator, check_positive
+from celltrain.evolution.linear import LinearPrediction, linear_prediction
+from celltrain.evolution.march import March, Progress
+from celltrain.evolution.overlap import overlap
+from celltrain.evolution.quantities import STEP_QUANTITIES
+from celltrain.evolution.run import Run
+from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
+from celltrain.parameters import CaseError
+from celltrain.stability import Stability
+from celltrain.steady import Base
+from celltrain.train import place_cells
+
+SAVE_SECONDS = 30.0
+EVERY = 1.0
+
+
+def evolve(
+    start: Base | Stability,
+    disturbance: Disturbance,
+    *,
+    until: float,
+    integrator: Integrator | None = None,
+    every: float = EVERY,
+    path: str | Path | None = None,
+    overwrite: bool = False,
+    save_seconds: float = SAVE_SECONDS,
+    most_steps: int | None = None,
+    progress: Progress | None = None,
+) -> Run:
+    """Simulate a steady train with a disturbance, in the frame that moves with the steady train.
+
+    **Arguments:**
+
+    - `start`: from `steady` or `stability`; the latter gives linear predictions beside the result,
+      and is needed for disturbances that are modes.
+    - `disturbance`: such as `Leading(amplitude=0.1)`. The volumes of the disturbed cells are made
+      those of the steady ones, which changes the size of a large disturbance a little.
+    - `until`, `every`: last time, and time between frames, in r0/U. Frames lie within steps and do
+      not change them.
+    - `integrator`: `RungeKuttaChebyshev()` unless given.
+    - `path`: netCDF-4 file that holds the simulation at every moment; see `resume`.
+    - `overwrite`: whether a file of that name may be replaced.
+    - `save_seconds`: wall time between saves, lengthened where a save takes more than 5 % of it; 0
+      saves after every step.
+    - `most_steps`: end after so many steps.
+    - `progress`: called after every step.
+
+    **Returns:** a `Run` with all that there is, whatever ended it (`Run.ending`): the time reached,
+    an interruption (Ctrl-C), an overlap, a file that can no longer be written, ...
+
+    **Raises:** `CaseError` for a setting that is not allowed, cells that overlap from the
+    beginning, or a file that exists; `StepFailed` if the disturbed train has no velocity.
+    """
+    check_positive("until", until)
+    check_positive("every", every)
+    place = Path(path) if path is not None else None
+    if place is not None and place.exists() and not overwrite:
+        raise CaseError(
+            f"output = {str(place)!r} is not allowed: it exists; go on with it (resume), or allow"
+            " it to be overwritten"
+        )
+    base = start.base if isinstance(start, Stability) else start
+    change = disturbance.shapes(start)
+    dynamics = train_dynamics(base)
+    train = base.train
+    method = RungeKuttaChebyshev() if integrator is None else integrator
+    shapes = place_cells(base.coefficients, train, train.cells) + change
+    met = overlap(train, dynamics.settle(shapes).shapes)
+    if met is not None:
+        raise CaseError(f"{disturbance!r} is not allowed: {met}; a smaller amplitude may be")
+    state, record = method.begin(dynamics, shapes)
+    first = dynamics.continuous(state.shapes, state.laps) - np.asarray(dynamics.base)
+    run = Run(
+        start=start,
+        disturbance=repr(disturbance),
+        growth_rate=disturbance.growth_rate(start),
+        integrator=method,
+        every=float(every),
+        until=float(until),
+        history={name: np.zeros(0) for name in STEP_QUANTITIES},
+        times=np.zeros(0),
+        shapes=np.zeros((0, *shapes.shape)),
+        frames={},
+        state=state,
+        ending=Ending("running", "not ended yet"),
+    )
+    march = March(
+        run,
+        dynamics,
+        _prediction(start, first),
+        archive=_archive(place),
+        save_seconds=save_seconds,
+        progress=progress,
+    )
+    march.begin(record)
+    return march.go(most_steps)
+
+
+def resume(
+    path: str | Path,
+    *,
+    until: float | None = None,
+    save_seconds: float = SAVE_SECONDS,
+    most_steps: int | None = None,
+    progress: Progress | None = None,
+) -> Run:
+    """Go on with the simulation in a file, to the result that it would have had without a stop.
+
+    On the same machine and version that holds to the last bit. Of `evolve`'s arguments only `until`
+    may change; a simulation that has reached it is returned as it is.
+
+    **Raises:** `CaseError` for a file that holds no simulation or a time that lies before its end.
+    """
+    path = Path(path)
+    try:
+        run = load_run(path)
+    except (OSError, ValueError, KeyError) as error:
+        raise CaseError(f"{str(path)!r} cannot be gone on from: {error}") from None
+    if until is not None:
+        if not until >= run.times[-1]:
+            raise CaseError(
+                f"until = {until:g} is not allowed: {str(path)!r} has already reached"
+                f" t = {run.times[-1]:g}; allowed: >= {run.times[-1]:g}"
+            )
+        run = replace(run, until=float(until))
+    march = March(
+        run,
+        train_dynamics(run.base),
+        _prediction(run.start, run.disturbances[0]),
+        archive=_archive(path),
+        save_seconds=save_seconds,
+        progress=progress,
+    )
+    return march.go(most_steps)
+
+
+def _archive(path: Path | None) -> Archive | None:
+    if path is None:
+        return None
+    remove_leftovers(path)
+    return Archive(path)
+
+
+def _prediction(start: Base | Stability, disturbance: np.ndarray) -> LinearPrediction:
+    if isinstance(start, Stability):
+        return linear_prediction(start, disturbance)
+    return LinearPrediction(())

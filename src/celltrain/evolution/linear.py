@@ -1,0 +1,94 @@
+"""What the linear dynamics predicts for a disturbance: |exp(A t) d| in the norm of Eq. (8)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from jaxtyping import Complex, Float
+
+from celltrain.evolution.amplitude import paper_weights
+from celltrain.harmonics import degrees_and_orders
+from celltrain.stability import Stability
+from celltrain.train import azimuthal_basis
+
+# Part of a disturbance's square norm that may lie outside the azimuthal numbers that are known.
+NEGLIGIBLE = 1e-9
+
+Family = Float[np.ndarray, "member 3 coefficient"]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A disturbance's part of one azimuthal number, family and wave number.
+
+    `weight` is the Gram matrix of the norm, times 1/N, and 2/N where -j is counted with j.
+    """
+
+    block: Complex[np.ndarray, "size size"]
+    vector: Complex[np.ndarray, " size"]
+    weight: Float[np.ndarray, "size size"]
+
+
+@dataclass(frozen=True)
+class LinearPrediction:
+    """The linear evolution of one disturbance of a train.
+
+    Empty if the stability result lacks azimuthal numbers that the disturbance holds.
+    """
+
+    parts: tuple[Part, ...]
+
+    def eps(self, time: float) -> float:
+        """Amplitude (Eq. 8, r0) at a time in r0/U after the beginning; nan if not known."""
+        if not self.parts:
+            return float("nan")
+        square = 0.0
+        for part in self.parts:
+            vector = scipy.linalg.expm(time * part.block) @ part.vector
+            square += float((vector.conj() @ part.weight @ vector).real)
+        return float(np.sqrt(square))
+
+
+def linear_prediction(
+    result: Stability, disturbance: Float[np.ndarray, "cell 3 coefficient"]
+) -> LinearPrediction:
+    """The parts d_m(q) of a disturbance, each of which evolves by its own block A_m(q).
+
+    Cells are transformed to waves exp(i q p). For m > 0 disturbances with z ~ cos(m phi) and their
+    turn about the axis by pi/(2 m), z ~ sin(m phi), have the same block.
+    """
+    cells, _, count = disturbance.shape
+    degree = int(np.sqrt(count))
+    weights = paper_weights(degree)
+    total = float(np.sum(weights * disturbance**2))
+    waves = np.fft.fft(disturbance, axis=0)
+    parts: list[Part] = []
+    covered = 0.0
+    for m in result.azimuthal_numbers:
+        basis = azimuthal_basis(degree, m)
+        for family in (basis,) if m == 0 else (basis, turned_family(basis, m)):
+            gram = np.tensordot(family * weights, family, axes=((1, 2), (1, 2)))
+            for wave in result.wave_numbers:
+                vector = np.einsum("uik,ik->u", family, waves[wave])
+                copies = 1 if wave == 0 or 2 * wave == cells else 2
+                weight = gram * (copies / cells)
+                share = float((vector.conj() @ weight @ vector).real)
+                covered += share
+                if share > 1e-3 * NEGLIGIBLE * total:
+                    parts.append(Part(result.blocks[m][wave], vector, weight))
+    return LinearPrediction(tuple(parts) if covered > (1.0 - NEGLIGIBLE) * total else ())
+
+
+def turned_family(basis: Family, m: int) -> Family:
+    """Disturbances turned by pi/(2 m) about the axis, shapes and parameters alike.
+
+    x'(theta, phi) = R x(theta, phi - angle), with R the rotation by the angle.
+    """
+    angle = np.pi / (2 * m)
+    n, order = degrees_and_orders(int(np.sqrt(basis.shape[-1])))
+    partner = n * n + n - order
+    # cos(k (phi - a)) = cos(k a) cos(k phi) + sin(k a) sin(k phi), and the like for the sine.
+    shifted = np.cos(order * angle) * basis - np.sin(order * angle) * basis[..., partner]
+    cosine, sine = np.cos(angle), np.sin(angle)
+    rotation = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    return np.einsum("ij,ujk->uik", rotation, shifted)

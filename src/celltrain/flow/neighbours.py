@@ -1,0 +1,102 @@
+"""Targets that are too close to a cell for its ordinary grid, and what replaces it there.
+
+Which pairs are close is found once for a set of targets and a set of cells; every sum over the same
+cells then leaves these pairs out and adds the graded rule's integrals. Pairs are listed up to a
+capacity; if there are more, velocities are not numbers rather than wrong.
+"""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from celltrain.flow.close import CloseRule
+from celltrain.flow.close_pairs import ClosePairs, close_pairs
+from celltrain.flow.sources import Sources
+
+# Pairs listed for each target, on average.
+CAPACITY = 1.0
+
+
+class Neighbours(eqx.Module):
+    """Close pairs of one set of targets; `rows` are the double layer's matrices, if prepared."""
+
+    pairs: ClosePairs
+    rows: Float[Array, "pair 3 3 coefficient"] | None = None
+
+
+class CloseEvaluation(eqx.Module):
+    """When a pair is close, and the rule that then serves it.
+
+    `angles` are colatitude and longitude of the points of the ordinary grid.
+    """
+
+    rule: CloseRule
+    angles: Float[Array, "source 2"]
+    distance: float = eqx.field(static=True)
+
+    def find(
+        self,
+        targets: Float[Array, "group target 3"],
+        owners: Int[Array, " group"],
+        points: Float[Array, "cell source 3"],
+        *,
+        period: Float[Array, ""],
+        images: int,
+    ) -> Neighbours:
+        """The close pairs of these targets and cells."""
+        capacity = max(64, round(CAPACITY * targets.shape[0] * targets.shape[1]))
+        return Neighbours(
+            close_pairs(
+                targets,
+                owners,
+                points,
+                distance=self.distance,
+                period=period,
+                images=images,
+                capacity=capacity,
+            )
+        )
+
+    def prepared(
+        self,
+        neighbours: Neighbours,
+        targets: Float[Array, "group target 3"],
+        shapes: Float[Array, "cell 3 coefficient"],
+        period: Float[Array, ""],
+    ) -> Neighbours:
+        """The same pairs with the double layer's matrices, for many densities."""
+        pairs = neighbours.pairs
+        rows = self.rule.double_layer(
+            pairs.points(targets, period), pairs.cell, self.angles[pairs.node], pairs.valid, shapes
+        )
+        return Neighbours(pairs, rows)
+
+    def velocity(
+        self,
+        neighbours: Neighbours,
+        targets: Float[Array, "group target 3"],
+        sources: Sources,
+        period: Float[Array, ""],
+    ) -> Float[Array, "image group target 3"]:
+        """Velocities of the close pairs, by image of the cell."""
+        pairs, surface = neighbours.pairs, sources.surface
+        assert surface is not None
+        if neighbours.rows is not None and surface.forces is None:
+            assert surface.densities is not None
+            found = jnp.einsum("pijk,pjk->pi", neighbours.rows, surface.densities[pairs.cell])
+        else:
+            found = self.rule.velocity(
+                pairs.points(targets, period),
+                pairs.cell,
+                self.angles[pairs.node],
+                pairs.valid,
+                surface.shapes,
+                surface.forces,
+                surface.densities,
+            )
+        found = jnp.where(pairs.valid[:, None], found, 0.0)
+        shape = (*pairs.keep.shape[:3], 3)
+        place = (pairs.image + pairs.keep.shape[0] // 2, pairs.group, pairs.target)
+        by_image = jnp.zeros(shape).at[place].add(found)
+        return jnp.where(jax.lax.stop_gradient(pairs.overflow), jnp.nan, by_image)

@@ -1,0 +1,66 @@
+"""A simulation as a film: the cells in their tube, frame by frame."""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
+from matplotlib.figure import Figure
+
+from celltrain.parameters import CaseError, Train
+from celltrain.pictures.evolution import case_title, check_frames, make_stage
+from celltrain.pictures.train import INK
+
+WIDTH = 8.0
+DOTS = 110
+
+
+def animate(
+    train: Train,
+    times: Float[np.ndarray, " time"],
+    shapes: Float[np.ndarray, "frame cell 3 coefficient"],
+    path: Path,
+    *,
+    frames_per_second: int = 12,
+) -> Path:
+    """Write frames of a simulation as a film; returns `path`.
+
+    **Arguments:** `times` in r0/U, `shapes` in r0; `path` ends in `.gif`, or in `.mp4` where the
+    program `ffmpeg` is installed. Every frame is shown equally long and takes about half a second
+    to draw.
+
+    **Raises:** `CaseError` for another ending, `.mp4` without ffmpeg, no frame, or not a time for
+    each; `OSError` if the film cannot be written.
+    """
+    check_frames(times, shapes)
+    writer = _writer(path, frames_per_second)
+    stage = make_stage(train, shapes)
+    picture = min(WIDTH * stage.ratio, 5.0)
+    text = 0.34
+    height = picture + text
+    figure = Figure(figsize=(WIDTH, height), facecolor="white")
+    with writer.saving(figure, str(path), DOTS):
+        for time, shape in zip(times, shapes, strict=True):
+            figure.clear()
+            stage.draw(figure.add_axes((0.0, text / height, 1.0, picture / height)), shape)
+            figure.text(
+                0.5,
+                0.5 * text / height,
+                f"$t$ = {time:.1f} $r_0/U$,  {case_title(train)}",
+                ha="center",
+                va="center",
+                fontsize=9.5,
+                color=INK,
+            )
+            writer.grab_frame()
+    return path
+
+
+def _writer(path: Path, frames_per_second: int) -> AbstractMovieWriter:
+    if path.suffix == ".gif":
+        return PillowWriter(fps=frames_per_second)
+    if path.suffix == ".mp4":
+        if not FFMpegWriter.isAvailable():
+            raise CaseError(f"{path.name} needs the program ffmpeg; without it allowed: .gif")
+        return FFMpegWriter(fps=frames_per_second)
+    raise CaseError(f"{path.name} is not allowed as a film: allowed are .gif and .mp4")

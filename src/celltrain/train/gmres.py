@@ -1,0 +1,121 @@
+"""GMRES that stops as soon as it may, says how far it came, and has an implicit derivative.
+
+JAX's own needs the transpose of the operator even if only the solution is asked for, which sums
+over a number of pairs that depends on the data do not have; Lineax's looks at the residual only
+when it restarts. Method: Saad & Schultz 1986, with each new vector made orthogonal twice.
+"""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import jax.scipy.linalg
+from jaxtyping import Array, Float, Int
+
+Operator = Callable[[Array], Array]
+
+
+class Convergence(eqx.Module):
+    """Applications of the operator to new directions, and true residual relative to |b|."""
+
+    iterations: Int[Array, ""]
+    residual: Float[Array, ""]
+
+
+class _Arnoldi(eqx.Module):
+    """Orthonormal basis, triangular factor of the projected operator, rotations that made it so."""
+
+    basis: Float[Array, "vector size"]
+    triangle: Float[Array, "step step"]
+    cosine: Float[Array, " step"]
+    sine: Float[Array, " step"]
+    right: Float[Array, " vector"]
+    step: Int[Array, ""]
+
+
+def gmres(
+    operator: Operator, right: Float[Array, "..."], *, tolerance: float, iterations: int
+) -> tuple[Float[Array, "..."], Convergence]:
+    """Solution x of A x = b for an operator near the identity, starting from x = b.
+
+    Derivatives (forward) solve the same equation for other right sides.
+
+    **Arguments:** `tolerance`: of the residual relative to |b|; `iterations`: at most.
+    """
+
+    def solve(matvec: Operator, right: Array) -> tuple[Array, Convergence]:
+        return _solve(matvec, right, tolerance, iterations)
+
+    solution, convergence = jax.lax.custom_linear_solve(operator, right, solve, has_aux=True)
+    return solution, jax.lax.stop_gradient(convergence)
+
+
+def _solve(
+    operator: Operator, right: Array, tolerance: float, iterations: int
+) -> tuple[Array, Convergence]:
+    shape, size = right.shape, right.size
+    flat = right.ravel()
+
+    def applied(vector: Array) -> Array:
+        return operator(vector.reshape(shape)).ravel()
+
+    scale = jnp.linalg.norm(flat)
+    first = flat - applied(flat)
+    length = jnp.linalg.norm(first)
+    start = _Arnoldi(
+        basis=jnp.zeros((iterations + 1, size)).at[0].set(first / _safe(length)),
+        triangle=jnp.eye(iterations),
+        cosine=jnp.ones(iterations),
+        sine=jnp.zeros(iterations),
+        right=jnp.zeros(iterations + 1).at[0].set(length),
+        step=jnp.array(0),
+    )
+
+    def goes_on(state: _Arnoldi) -> Array:
+        return (jnp.abs(state.right[state.step]) > tolerance * scale) & (state.step < iterations)
+
+    last = jax.lax.while_loop(goes_on, lambda state: _extended(applied, state), start)
+    # Steps that were not taken have ones on the diagonal and nothing on the right.
+    used = jnp.where(jnp.arange(iterations) < last.step, last.right[:-1], 0.0)
+    amounts = jax.scipy.linalg.solve_triangular(last.triangle, used)
+    solution = flat + amounts @ last.basis[:-1]
+    residual = jnp.linalg.norm(flat - applied(solution)) / _safe(scale)
+    return solution.reshape(shape), Convergence(last.step, residual)
+
+
+def _extended(applied: Operator, state: _Arnoldi) -> _Arnoldi:
+    """One more vector of the basis, one more column of the triangle."""
+    step, basis = state.step, state.basis
+    image = applied(basis[step])
+    column = basis @ image
+    image = image - column @ basis
+    again = basis @ image
+    image = image - again @ basis
+    column = column + again
+    length = jnp.linalg.norm(image)
+
+    def rotate(i: Array, column: Array) -> Array:
+        here, below = column[i], column[i + 1]
+        turned = column.at[i].set(state.cosine[i] * here + state.sine[i] * below)
+        turned = turned.at[i + 1].set(state.cosine[i] * below - state.sine[i] * here)
+        return jnp.where(i < step, turned, column)
+
+    column = jax.lax.fori_loop(0, state.cosine.size, rotate, column.at[step + 1].set(length))
+    size = jnp.hypot(column[step], column[step + 1])
+    cosine, sine = column[step] / _safe(size), column[step + 1] / _safe(size)
+    place = jnp.arange(state.cosine.size)
+    column = jnp.where(place < step, column[:-1], jnp.where(place == step, _safe(size), 0.0))
+    right = state.right[step]
+    return _Arnoldi(
+        basis=basis.at[step + 1].set(image / _safe(length)),
+        triangle=state.triangle.at[:, step].set(column),
+        cosine=state.cosine.at[step].set(cosine),
+        sine=state.sine.at[step].set(sine),
+        right=state.right.at[step].set(cosine * right).at[step + 1].set(-sine * right),
+        step=step + 1,
+    )
+
+
+def _safe(length: Array) -> Array:
+    return jnp.where(length > 0.0, length, 1.0)

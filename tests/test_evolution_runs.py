@@ -1,0 +1,354 @@
+"""Simulations that are stopped, killed, gone on with, or cannot go on; their files; the command."""
+
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
+
+from celltrain import Base, CaseError, Stability, load, save
+from celltrain.cli import main
+from celltrain.diagnostics import FRAME_QUANTITIES
+from celltrain.evolution import (
+    ForwardEuler,
+    FromFile,
+    RandomDisplacement,
+    Run,
+    RungeKuttaChebyshev,
+    Status,
+    amplitude,
+    archive,
+    evolve,
+    march,
+    resume,
+)
+from celltrain.evolution.dynamics import Dynamics
+from celltrain.evolution.quantities import RUN_QUANTITIES
+
+DISTURBANCE = RandomDisplacement(0.2, seed=2)
+
+
+def assert_same(one: Run, other: Run) -> None:
+    """Equal to the last bit, but for the wall time."""
+    for name, value in vars(one.state).items():
+        assert_array_equal(value, getattr(other.state, name), err_msg=name)
+    for name, column in one.history.items():
+        if name != "wall_seconds":
+            assert_array_equal(column, other.history[name], err_msg=name)
+    assert_array_equal(one.times, other.times)
+    assert_array_equal(one.shapes, other.shapes)
+    assert one.frames.keys() == other.frames.keys()
+    for name, column in one.frames.items():
+        assert_array_equal(column, other.frames[name], err_msg=name)
+
+
+@pytest.fixture(scope="module")
+def single(coarse_base: Base) -> Base:
+    """A train of one cell, which costs least; its steady shape is that of any number of cells."""
+    return replace(coarse_base, train=coarse_base.train.changed(cells=1))
+
+
+@pytest.fixture(scope="module")
+def whole_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("whole") / "run.nc"
+
+
+@pytest.fixture(scope="module")
+def whole(single: Base, whole_path: Path) -> Run:
+    """Ten steps without a stop."""
+    run = evolve(single, DISTURBANCE, until=50.0, every=0.5, path=whole_path, most_steps=10)
+    assert run.ending.kind == "steps"
+    assert run.state.steps == 10
+    return run
+
+
+def test_five_steps_and_five_more_are_ten(whole: Run, single, tmp_path: Path) -> None:
+    path = tmp_path / "run.nc"
+    half = evolve(single, DISTURBANCE, until=50.0, every=0.5, path=path, most_steps=5)
+    assert half.state.steps == 5
+    assert_same(resume(path, most_steps=5), whole)
+    assert [each.name for each in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_an_interruption_keeps_all_until_then(whole: Run, single, tmp_path: Path) -> None:
+    path = tmp_path / "run.nc"
+
+    def interrupt(status: Status) -> None:
+        if status.steps == 4:
+            raise KeyboardInterrupt
+
+    run = evolve(single, DISTURBANCE, until=50.0, every=0.5, path=path, progress=interrupt)
+    assert run.ending.kind == "interrupted"
+    assert run.state.steps == 4
+    assert_same(Run.load(path), run)
+    assert_same(resume(path, most_steps=6), whole)
+
+
+def test_frames_do_not_change_steps_and_an_end_may_be_put_off(
+    whole: Run, single, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.nc"
+    # An end within a step: what is beyond it is not kept, and not lost.
+    end = 0.5 * (whole.history["time"][6] + whole.history["time"][7])
+    short = evolve(single, DISTURBANCE, until=end, every=5.0, path=path)
+    assert short.ending.kind == "complete"
+    assert short.times.tolist() == [0.0, end]
+    assert short.history["time"].tolist() == whole.history["time"][:7].tolist()
+    assert_same(resume(path), short)
+    longer = resume(path, until=50.0, most_steps=4)
+    for name, value in vars(whole.state).items():
+        assert_array_equal(value, getattr(longer.state, name), err_msg=name)
+    with pytest.raises(CaseError, match=r"until = 0\.01 .* already reached"):
+        resume(path, until=0.01)
+
+
+def test_a_file_holds_everything(whole: Run, whole_path: Path) -> None:
+    assert_same(Run.load(whole_path), whole)
+    again = Run.load(whole_path)
+    assert (again.disturbance, again.until, again.every) == (repr(DISTURBANCE), 50.0, 0.5)
+    assert again.integrator == RungeKuttaChebyshev()
+    assert again.ending == whole.ending
+    assert_array_equal(again.growth_rate, whole.growth_rate)
+    # It is a result file as well.
+    assert_array_equal(load(whole_path).coefficients, whole.base.coefficients)
+    with xr.open_dataset(whole_path, engine="h5netcdf", decode_times=False) as data:
+        for name, known in RUN_QUANTITIES.items():
+            assert data[name].dims == known.dims
+            assert data[name].attrs["units"] == known.unit
+            assert data[name].attrs["long_name"]
+    assert set(FRAME_QUANTITIES) < set(whole.frames)
+    assert_allclose(whole.frames["cell_volume"], 4 * np.pi / 3, rtol=1e-3)
+    assert_allclose(np.ptp(whole.frames["cell_volume"]), 0.0, atol=1e-7)
+    # Velocities are those in the tube, positions those relative to the steady train.
+    assert_allclose(whole.frames["centroid_velocity"][..., 2], whole.base.cell_velocity, rtol=0.2)
+    assert_allclose(amplitude(whole.disturbances[0]), 0.2, rtol=1e-2)
+    assert_allclose(whole.frames["eps"][0], whole.history["eps"][0], rtol=1e-12)
+
+
+def test_a_disturbance_from_the_file_of_a_run(whole: Run, whole_path: Path) -> None:
+    assert_array_equal(FromFile(whole_path).shapes(whole.start), whole.disturbances[-1])
+
+
+def test_results_that_are_no_simulations(single, tmp_path: Path) -> None:
+    path = tmp_path / "base.nc"
+    save(single, path)
+    with pytest.raises(ValueError, match="holds no simulation"):
+        Run.load(path)
+    with pytest.raises(CaseError, match="holds no simulation"):
+        resume(path)
+    with pytest.raises(CaseError, match="it exists"):
+        evolve(single, DISTURBANCE, until=1.0, path=path)
+    with pytest.raises(CaseError, match="until = -1"):
+        evolve(single, DISTURBANCE, until=-1.0)
+    with pytest.raises(CaseError, match=r"into the wall at .*; a smaller amplitude"):
+        evolve(single, RandomDisplacement(9.0), until=1.0)
+
+
+def test_a_full_disk_ends_a_run_with_the_last_file_left(
+    whole: Run, single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.nc"
+    calls = []
+
+    def full(path_: Path) -> None:
+        calls.append(path_)
+        if len(calls) > 6:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(archive, "_flush", full)
+    run = evolve(
+        single,
+        DISTURBANCE,
+        until=50.0,
+        every=0.5,
+        path=path,
+        save_seconds=0.0,
+        most_steps=10,
+    )
+    assert run.ending.kind == "not_saved"
+    assert "No space left" in run.ending.message
+    assert run.ending.failed
+    # The first save and those after two of the steps went well; nothing half-written is left.
+    assert [each.name for each in tmp_path.iterdir()] == ["run.nc"]
+    kept = Run.load(path)
+    assert kept.ending.kind == "running"
+    assert 1 <= kept.state.steps <= 2 < len(run.history["time"])
+    monkeypatch.undo()
+    assert_same(resume(path, most_steps=10 - kept.state.steps), whole)
+
+
+def test_reasons_to_stop(single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    strict = RungeKuttaChebyshev(tolerance=1e-30)
+    run = evolve(single, DISTURBANCE, until=1.0, integrator=strict)
+    assert run.ending.kind == "step_too_small"
+    assert run.times.tolist() == [0.0]
+
+    with monkeypatch.context() as patched:
+        met = iter([None, None, None, "cell 0 and cell 1 overlap"])
+        patched.setattr(march, "overlap", lambda train, shapes: next(met))
+        patched.setattr(march, "OVERLAP_INTERVAL", 0.0)
+        run = evolve(single, DISTURBANCE, until=1.0, path=tmp_path / "run.nc")
+    assert run.ending.kind == "overlap"
+    assert "cell 0 and cell 1 overlap" in run.ending.message
+    assert Run.load(tmp_path / "run.nc").state.steps == 3
+
+    rates, left = Dynamics.rates, [30]
+
+    def broken(self: Dynamics, shapes: np.ndarray) -> np.ndarray:
+        left[0] -= 1
+        return rates(self, shapes) if left[0] > 0 else np.full_like(shapes, np.nan)
+
+    monkeypatch.setattr(Dynamics, "rates", broken)
+    for method in (RungeKuttaChebyshev(), ForwardEuler(0.01)):
+        left[0] = 30
+        run = evolve(single, DISTURBANCE, until=1.0, every=9.0, integrator=method)
+        assert run.ending.kind == "not_finite"
+        assert run.state.steps > 0
+        assert np.isfinite(run.state.shapes).all()
+        assert np.isfinite(run.shapes).all()
+
+
+SCRIPT = """
+import sys
+import celltrain
+from celltrain.evolution import ForwardEuler, RandomDisplacement, evolve, resume
+start, path, first = sys.argv[1:]
+if first == "first":
+    evolve(
+        celltrain.load(start), RandomDisplacement(0.2, seed=2), until=0.6, every=0.05,
+        integrator=ForwardEuler(0.01), path=path, save_seconds=0.0,
+    )
+else:
+    resume(path, save_seconds=0.0)
+"""
+
+
+@pytest.mark.slow
+def test_kill_at_any_moment_leaves_a_file_to_go_on_with(single, tmp_path: Path) -> None:
+    start, path = tmp_path / "start.nc", tmp_path / "run.nc"
+    save(single, start)
+    random = np.random.default_rng()
+    reached = []
+    for attempt in ("first", "second", "third"):
+        written = {path.stat().st_mtime_ns} if path.exists() else set()
+        # The save at the beginning and those of two steps at least, then any moment.
+        wanted = len(written) + 3
+        process = subprocess.Popen([sys.executable, "-c", SCRIPT, start, path, attempt])
+        deadline = time.monotonic() + 120.0
+        while len(written) < wanted:
+            assert process.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+            if path.exists():
+                written.add(path.stat().st_mtime_ns)
+        time.sleep(random.uniform(0.0, 0.6))
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        kept = Run.load(path)
+        reached.append(kept.state.steps)
+        assert len(kept.history["time"]) == kept.state.steps + 1
+    assert 1 <= reached[0] < reached[1] < reached[2]
+    # Whatever was killed, the end is that of a run without a stop.
+    ended = resume(path)
+    straight = evolve(
+        single,
+        DISTURBANCE,
+        until=0.6,
+        every=0.05,
+        integrator=ForwardEuler(0.01),
+    )
+    assert_same(replace(ended, start=straight.start), straight)
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_leftovers_of_dead_processes_are_removed(tmp_path: Path) -> None:
+    path = tmp_path / "run.nc"
+    process = subprocess.Popen([sys.executable, "-c", ""])
+    process.wait()
+    dead = tmp_path / f".run.nc.{process.pid}.part"
+    alive = tmp_path / f".run.nc.{os.getppid()}.part"
+    for each in (dead, alive):
+        each.write_text("")
+    archive.remove_leftovers(path)
+    assert not dead.exists()
+    assert alive.exists()
+
+
+def test_the_command_simulates_and_goes_on(coarse_stability, tmp_path: Path, capsys) -> None:
+    start, path = tmp_path / "start.nc", tmp_path / "run.nc"
+    save(coarse_stability, start)
+    arguments = ["evolve", str(start), "--disturbance", "random:2", "--amplitude", "0.2"]
+    arguments += ["--until", "0.3", "--every", "0.1", "-o", str(path), "--json", "--quiet"]
+    assert main(arguments) == 0
+    printed = capsys.readouterr()
+    summary = json.loads(printed.out)
+    assert summary["ending"] == "complete"
+    assert summary["frames"] == 4
+    assert_allclose(summary["eps"][0], 0.2, rtol=2e-2)
+    assert printed.err == ""
+    # It is not overwritten, unless that is asked for.
+    assert main(arguments) == 2
+    assert "--resume, or --overwrite" in capsys.readouterr().err
+    again = ["evolve", "--resume", "-o", str(path), "--until", "0.4"]
+    assert main(again) == 0
+    printed = capsys.readouterr()
+    assert "Simulation" in printed.out
+    assert "r0/U per hour" in printed.err
+    run = Run.load(path)
+    assert run.times.tolist() == [0.0, 0.1, 0.2, pytest.approx(0.3), 0.4]
+    # The linear dynamics of the start is in the file, too, and its prediction beside the result.
+    assert isinstance(run.start, Stability)
+    assert_allclose(run.frames["eps"], run.frames["eps_linear"], rtol=2e-2)
+
+
+def test_exit_statuses_of_the_command(
+    coarse_stability, tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start, path = tmp_path / "start.nc", tmp_path / "run.nc"
+    save(coarse_stability, start)
+    common = ["evolve", str(start), "-o", str(path), "--quiet", "--disturbance", "leading"]
+    assert main([*common, "--until", "1", "--step-tolerance", "1e-30"]) == 3
+    assert "needs steps below" in capsys.readouterr().err
+
+    def interrupt(self: object, status: Status) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("celltrain.evolution.report.SimulationReporter.step", interrupt)
+    assert main([*common, "--until", "1", "--overwrite"]) == 130
+    message = capsys.readouterr().err
+    assert "interrupted" in message
+    assert str(path) in message
+    assert Run.load(path).state.steps == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["--until", "1"], ["output is missing"]),
+        (["-o", "{}/run.nc"], ["until is missing"]),
+        (["-o", "{}/run.nc", "--until", "-1", "--disturbance", "random"], ["until = -1", "> 0"]),
+        (["-o", "{}/missing/run.nc", "--until", "1"], ["is no folder"]),
+        (["-o", "{}/run.nc", "--until", "1", "--disturbance", "worst"], ["'worst'", "transient"]),
+        (["-o", "{}/run.nc", "--until", "1", "--step-tolerance", "0"], ["tolerance = 0", "> 0"]),
+        (["-o", "{}/run.nc", "--resume"], ["a case is not allowed with --resume"]),
+    ],
+)
+def test_what_the_command_refuses(arguments, parts, coarse_stability, tmp_path, capsys) -> None:
+    start = tmp_path / "start.nc"
+    save(coarse_stability, start)
+    arguments = [each.format(tmp_path) for each in arguments]
+    assert main(["evolve", str(start), *arguments]) == 2
+    message = capsys.readouterr().err
+    assert all(part in message for part in parts), message
+    assert [each.name for each in tmp_path.iterdir()] == ["start.nc"]
+    assert main(["evolve", "--resume", "-o", str(tmp_path / "none.nc")]) == 2
+    assert "no such file" in capsys.readouterr().err

@@ -1,0 +1,77 @@
+"""GMRES on matrices whose solution is known."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.testing import assert_allclose
+
+from celltrain.train.gmres import gmres
+
+
+def problem(size: int = 40) -> tuple[np.ndarray, np.ndarray]:
+    """A matrix that is neither symmetric nor close to the identity, and a right side."""
+    random = np.random.default_rng(0)
+    matrix = np.eye(size) + 0.5 * random.normal(size=(size, size)) / np.sqrt(size)
+    return matrix, random.normal(size=size)
+
+
+def test_solution_residual_and_count() -> None:
+    matrix, right = problem()
+
+    def solve(tolerance: float, iterations: int = 40):
+        return gmres(
+            lambda x: (jnp.asarray(matrix) @ x.ravel()).reshape(x.shape),
+            jnp.asarray(right).reshape(4, 10),
+            tolerance=tolerance,
+            iterations=iterations,
+        )
+
+    counts = []
+    for tolerance in (1e-3, 1e-6, 1e-12):
+        solution, convergence = solve(tolerance)
+        residual = np.linalg.norm(matrix @ solution.ravel() - right) / np.linalg.norm(right)
+        assert 1e-3 * tolerance < residual < tolerance
+        assert_allclose(convergence.residual, residual, rtol=1e-2)
+        counts.append(int(convergence.iterations))
+    assert counts[0] < counts[1] < counts[2] <= 40
+    _, convergence = solve(1e-12, iterations=5)
+    assert convergence.iterations == 5
+    assert convergence.residual > 1e-4
+
+
+def test_few_eigenvalues_take_few_iterations() -> None:
+    diagonal = jnp.asarray(np.repeat([1.0, 2.0, 7.0], 12))
+    solution, convergence = gmres(
+        lambda x: diagonal * x, jnp.ones(36), tolerance=1e-12, iterations=20
+    )
+    assert_allclose(solution, 1 / diagonal, rtol=1e-11)
+    # The start x = b is exact already where the eigenvalue is 1.
+    assert convergence.iterations == 2
+
+
+def test_exact_at_once() -> None:
+    right = jnp.arange(5.0)
+    solution, convergence = gmres(lambda x: x, right, tolerance=1e-12, iterations=4)
+    assert_allclose(solution, right)
+    assert convergence.iterations == 0
+    nothing, _ = gmres(lambda x: 2 * x, jnp.zeros(5), tolerance=1e-12, iterations=4)
+    assert_allclose(nothing, 0.0)
+
+
+def test_derivative_is_implicit() -> None:
+    matrix, right = problem()
+    slope = np.random.default_rng(1).normal(size=matrix.shape)
+
+    def solved(amount: jax.Array) -> jax.Array:
+        # A sum over as many terms as the data say: without a transpose.
+        def operator(x: jax.Array) -> jax.Array:
+            count = jnp.where(amount < 10, 2, 3)
+            part = (jnp.asarray(matrix) + amount * jnp.asarray(slope)) @ x
+            return jax.lax.fori_loop(0, count, lambda _, y: y + 0.5 * part, jnp.zeros_like(x))
+
+        return gmres(operator, jnp.asarray(right), tolerance=1e-13, iterations=40)[0]
+
+    solution, change = jax.jvp(solved, (jnp.array(0.0),), (jnp.array(1.0),))
+    assert_allclose(solution, np.linalg.solve(matrix, right), rtol=0, atol=1e-11)
+    expected = -np.linalg.solve(matrix, slope @ np.linalg.solve(matrix, right))
+    assert_allclose(change, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
