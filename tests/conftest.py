@@ -8,7 +8,18 @@ import pytest
 from jaxtyping import install_import_hook
 
 # Before anything of the package is imported, and JAX with it. Cases check themselves.
-TYPED = ("harmonics", "membrane", "flow", "train", "steady", "stability", "results", "pictures")
+TYPED = (
+    "harmonics",
+    "membrane",
+    "flow",
+    "train",
+    "steady",
+    "stability",
+    "results",
+    "diagnostics",
+    "evolution",
+    "pictures",
+)
 install_import_hook([f"celltrain.{name}" for name in TYPED], "beartype.beartype")
 
 from celltrain.harmonics import real_harmonics

@@ -170,13 +170,13 @@ def test_greens_identity_in_the_tube(operator: TrainOperator, shapes: np.ndarray
     v = r^2 e_z and p = 4 z, with vorticity and pressure; an ellipsoid askew, off the axis, for
     which v and t n dS/dOmega have degrees 2 and 3.
     """
-    grid = operator.source_grid
+    grid = operator.source_grid.grid
     turn = np.array([[1.1, 0.2, 0.3], [-0.1, 0.8, 0.2], [0.1, -0.3, 0.9]])
     sphere = resting_shapes(TRAIN.changed(reference="sphere"), 1)[0]
     shapes = np.stack([turn @ sphere, shapes[1]])
     shapes[0, :2, 0] += 0.9
     points = np.einsum("pk,ik->pi", grid.values, shapes[0])
-    down, across = np.einsum("dpk,ik->dpi", operator.source_tangents, shapes[0])
+    down, across = np.einsum("dpk,ik->dpi", operator.source_grid.tangents, shapes[0])
     normal = np.cross(down, across)
     x, y, z = points.T
     gradient = np.zeros((len(points), 3, 3))

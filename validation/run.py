@@ -16,6 +16,7 @@ import convergence
 import packing
 import reference
 import sphere
+import viscosity
 
 HERE = Path(__file__).resolve().parent
 REFERENCE = HERE.parents[1] / "shared" / "reference"
@@ -34,6 +35,7 @@ def main() -> None:
         "reference": lambda options: reference.study(options.reference),
         "convergence": lambda _: convergence.study(),
         "packing": lambda _: packing.study(),
+        "viscosity": lambda _: viscosity.study(),
     }
     parser.add_argument("studies", nargs="*", metavar="STUDY", help=", ".join(studies))
     options = parser.parse_args()

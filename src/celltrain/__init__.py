@@ -13,6 +13,7 @@ the package is imported.
 """
 
 import celltrain.runtime  # noqa: F401  (first: settings of JAX)
+from celltrain.evolution import Run, evolve, resume
 from celltrain.parameters import CaseError, Train, load_case, paper_units
 from celltrain.results import load, print_report, save, summary
 from celltrain.stability import Mode, Stability, stability
@@ -25,13 +26,16 @@ __all__ = [
     "CaseError",
     "Mode",
     "NotConverged",
+    "Run",
     "Stability",
     "Train",
+    "evolve",
     "fluid_velocity",
     "load",
     "load_case",
     "paper_units",
     "print_report",
+    "resume",
     "save",
     "stability",
     "steady",

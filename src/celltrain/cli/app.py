@@ -15,7 +15,9 @@ from rich.console import Console
 
 from celltrain.cli.compute import Request, run
 from celltrain.cli.evolve import evolve
+from celltrain.cli.infinite import infinite
 from celltrain.cli.options import CaseOptions, given_leaves, reader
+from celltrain.cli.transient import transient
 from celltrain.parameters import CaseError, merge_case, read_case
 
 BAD_INPUT = 2
@@ -73,6 +75,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 app.command(evolve)
+app.command(infinite)
+app.command(transient)
 
 
 @app.command

@@ -11,6 +11,7 @@ The derivative of the force's sum is given in closed form: with D_k G the deriva
 two dense matrices per chunk and block, so that many directions at once are matrix products.
 """
 
+import math
 from functools import partial
 
 import jax
@@ -21,8 +22,6 @@ from celltrain.flow.ewald import near_scalars, near_slopes, near_stress_scalars
 from celltrain.flow.sources import UNFOLD, Sources
 
 CHUNK = 32
-# Blocks of one cell: rings by azimuths, where its grid can be split so.
-BLOCKS = (2, 4)
 
 
 def _differences(
@@ -120,37 +119,46 @@ def near_sum(
     cutoff: float,
     period: Float[Array, ""],
     images: int,
+    coarse_beyond: float = math.inf,
     keep: Bool[Array, "image group target cell"] | None = None,
 ) -> Float[Array, "image group target 3"]:
     """Near sums of every axial image p = -images .. images of the sources, one by one.
 
     **Arguments:** `owners`: the cell on whose surface a group of targets lies, -1 for none; the
     block of a group's own cell is left out (its integral is singular). Image p of a source is
-    displaced by p * `period` along the tube. Where `keep` is false, that cell's contribution is
-    left out.
+    displaced by p * `period` along the tube. Cells farther from a chunk of targets than
+    `coarse_beyond` contribute with their coarse samples, if there are such. Where `keep` is false,
+    that cell's contribution is left out.
     """
     groups, count, _ = targets.shape
     chunks = -(-count // CHUNK)
     padding = ((0, 0), (0, chunks * CHUNK - count))
     # Padding repeats the last target of the group: harmless for the chunk's extent.
     padded = jnp.pad(targets, (*padding, (0, 0)), mode="edge").reshape(-1, CHUNK, 3)
-    points = _in_blocks(sources.points)
-    cells = jnp.repeat(jnp.arange(sources.cells), points.shape[0] // sources.cells)
+    points, forces, dyads = (
+        _in_blocks(sources, name) for name in ("points", "forces", "stresslets")
+    )
+    assert points is not None
+    cells = jnp.tile(jnp.arange(sources.cells), points.shape[0] // sources.cells)
     along = jnp.array([0.0, 0.0, 1.0]) * period
     shifts = jnp.arange(-images, images + 1)
     if keep is not None:
         keep = jnp.pad(keep, ((0, 0), *padding, (0, 0)))
         keep = keep.reshape(shifts.size, groups * chunks, CHUNK, sources.cells)
-    forces = None if sources.forces is None else _in_blocks(sources.forces)
-    dyads = None if sources.stresslets is None else _in_blocks(sources.stresslets)
 
-    # Axes: image, chunk, block.
+    # Axes: image, chunk, and block or cell.
     moved = padded - shifts[:, None, None, None] * along
-    gap = jnp.maximum(
-        jnp.min(moved, axis=2)[:, :, None] - jnp.max(points, axis=1),
-        jnp.min(points, axis=1) - jnp.max(moved, axis=2)[:, :, None],
-    )
-    near = jnp.sum(jnp.maximum(gap, 0.0) ** 2, axis=-1) < cutoff**2
+    low, high = jnp.min(moved, axis=2)[:, :, None], jnp.max(moved, axis=2)[:, :, None]
+
+    def distance(points: Float[Array, "set point 3"]) -> Float[Array, "image chunk set"]:
+        gap = jnp.maximum(low - jnp.max(points, axis=1), jnp.min(points, axis=1) - high)
+        return jnp.linalg.norm(jnp.maximum(gap, 0.0), axis=-1)
+
+    near = distance(points) < cutoff
+    if sources.coarse is not None:
+        far = distance(sources.points.reshape(sources.cells, -1, 3)) >= coarse_beyond
+        is_coarse = jnp.arange(cells.size) >= cells.size - sources.cells
+        near = near & (far[:, :, cells] == is_coarse)
     own = jnp.repeat(owners, chunks)[:, None] == cells
     near = near & ~(own & (shifts == 0)[:, None, None])
     pairs = jnp.nonzero(near.ravel(), size=near.size, fill_value=0)[0]
@@ -173,12 +181,18 @@ def near_sum(
     return summed.reshape(shifts.size, groups, chunks * CHUNK, 3)[:, :, :count]
 
 
-def _in_blocks(
-    samples: Float[Array, "cell ring azimuth part"],
-) -> Float[Array, "block source part"]:
-    """The samples of each cell in compact blocks of its grid."""
+def _in_blocks(sources: Sources, name: str) -> Float[Array, "block source part"] | None:
+    """Samples in blocks, each of all cells: the quarters of their grids, then the coarse grids.
+
+    A quarter has as many points as the coarse grid: one program serves both.
+    """
+    samples = getattr(sources, name)
+    if samples is None:
+        return None
     cells, rings, azimuths, parts = samples.shape
-    rows = BLOCKS[0] if rings % BLOCKS[0] == 0 else 1
-    columns = BLOCKS[1] if azimuths % BLOCKS[1] == 0 else 1
-    split = samples.reshape(cells, rows, rings // rows, columns, azimuths // columns, parts)
-    return jnp.swapaxes(split, 2, 3).reshape(cells * rows * columns, -1, parts)
+    if sources.coarse is None:
+        return samples.reshape(cells, -1, parts)
+    halves = samples.reshape(cells, 2, rings // 2, 2, azimuths // 2, parts)
+    quarters = jnp.transpose(halves, (1, 3, 0, 2, 4, 5)).reshape(4 * cells, -1, parts)
+    coarse = getattr(sources.coarse, name).reshape(cells, -1, parts)
+    return jnp.concatenate([quarters, coarse])

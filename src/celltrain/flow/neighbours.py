@@ -14,9 +14,6 @@ from celltrain.flow.close import CloseRule
 from celltrain.flow.close_pairs import ClosePairs, close_pairs
 from celltrain.flow.sources import Sources
 
-# Pairs listed for each target, on average.
-CAPACITY = 1.0
-
 
 class Neighbours(eqx.Module):
     """Close pairs of one set of targets; `rows` are the double layer's matrices, if prepared."""
@@ -43,9 +40,10 @@ class CloseEvaluation(eqx.Module):
         *,
         period: Float[Array, ""],
         images: int,
+        share: float,
     ) -> Neighbours:
-        """The close pairs of these targets and cells."""
-        capacity = max(64, round(CAPACITY * targets.shape[0] * targets.shape[1]))
+        """The close pairs of these targets and cells, `share` of them for each target or fewer."""
+        capacity = max(64, round(share * targets.shape[0] * targets.shape[1]))
         return Neighbours(
             close_pairs(
                 targets,

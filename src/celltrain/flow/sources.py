@@ -28,13 +28,15 @@ class Sources(eqx.Module):
 
         (1/8 pi) int T_ijk(y - x) w_j n_k dS,   T_ijk(r) = -6 r_i r_j r_k/r^5,   n outward.
 
-    With the `surface` that they are samples of, velocities are accurate close to it, too.
+    With the `surface` that they are samples of, velocities are accurate close to it, too. `coarse`
+    holds samples on half as many rings and azimuths, which serve at a distance.
     """
 
     points: Float[Array, "cell ring azimuth 3"]
     forces: Float[Array, "cell ring azimuth 3"] | None = None
     stresslets: Float[Array, "cell ring azimuth 6"] | None = None
     surface: Surface | None = None
+    coarse: "Sources | None" = None
 
     @property
     def cells(self) -> int:

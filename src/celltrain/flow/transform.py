@@ -48,6 +48,7 @@ class Transform(eqx.Module):
 
     def analyse(self, points: Points, strengths: Float[Array, "ring azimuth part"]) -> Array:
         """Modes [part, *mode] of real strengths at the points, differentiable in both."""
+
         @jax.custom_jvp
         def transform(points: Points, strengths: Array) -> Array:
             return self._analyse(points, jnp.moveaxis(strengths, -1, 0))
@@ -74,6 +75,7 @@ class Transform(eqx.Module):
 
         Those of rings are complex, with an imaginary part of roundoff unless there is a shift.
         """
+
         @jax.custom_jvp
         def transform(points: tuple[PointSet, ...], modes: Array) -> tuple[Array, ...]:
             return tuple(jnp.moveaxis(u, 0, -1) for u in self._synthesise(points, modes))

@@ -34,6 +34,9 @@ from celltrain.flow.transform import (
 )
 from celltrain.flow.wall import TubeWall, tube_wall
 
+# Close pairs listed for each target, and for each point of the wall, on average.
+CELL_SHARE, WALL_SHARE = 2.0, 0.5
+
 # Of the targets and of the points of the wall.
 TubeNeighbours = tuple[Neighbours, Neighbours]
 
@@ -51,6 +54,7 @@ class PeriodicTube(eqx.Module):
     transform: Transform
     wall: TubeWall
     close: CloseEvaluation | None
+    coarse_beyond: float = eqx.field(static=True)
     images: int = eqx.field(static=True)
     quasi_periodic: bool = eqx.field(static=True)
 
@@ -151,15 +155,15 @@ class PeriodicTube(eqx.Module):
             return None
         cells = points.reshape(points.shape[0], -1, 3)
 
-        def of(targets: Array, owners: Array) -> Neighbours:
-            period = self.wall.period
-            found = close.find(targets, owners, cells, period=period, images=self.images)
+        def of(targets: Array, owners: Array, share: float) -> Neighbours:
+            period, images = self.wall.period, self.images
+            found = close.find(targets, owners, cells, period=period, images=images, share=share)
             return found if shapes is None else close.prepared(found, targets, shapes, period)
 
         strips, _ = self.wall.strips()
         wall = self.wall.points().reshape(-1, 3)[strips]
-        by_cells = of(targets.reshape(targets.shape[0], -1, 3), owners)
-        return by_cells, of(wall, jnp.full(len(strips), -1))
+        by_cells = of(targets.reshape(targets.shape[0], -1, 3), owners, CELL_SHARE)
+        return by_cells, of(wall, jnp.full(len(strips), -1), WALL_SHARE)
 
     def _near(
         self, targets: Array, owners: Array, sources: Sources, neighbours: Neighbours | None
@@ -173,6 +177,7 @@ class PeriodicTube(eqx.Module):
             cutoff=self.split.cutoff,
             period=self.wall.period,
             images=self.images,
+            coarse_beyond=self.coarse_beyond,
             keep=None if neighbours is None else neighbours.pairs.keep,
         ) / (8.0 * math.pi)
         if neighbours is not None and self.close is not None:
@@ -195,6 +200,7 @@ def periodic_tube(
     rings: bool,
     wave_number: float | None = None,
     close: Callable[[float], CloseEvaluation] | None = None,
+    coarse_beyond: float = math.inf,
 ) -> PeriodicTube:
     """A tube of the given diameter and axial period (r0).
 
@@ -207,6 +213,7 @@ def periodic_tube(
     - `rings`: sources and targets form rings about the axis.
     - `wave_number`: q in radians per period, for a quasi-periodic flow (rings only).
     - `close`: makes what serves targets close to a cell, from the parameter of the near kernel.
+    - `coarse_beyond`: distance from a cell at which its coarse samples serve.
     """
     split = ewald_split(diameter, cutoff, tolerance)
     shift = 0.0 if wave_number is None else wave_number / period
@@ -222,6 +229,7 @@ def periodic_tube(
         transform=transform,
         wall=tube_wall(0.5 * diameter, period, gap=gap, tolerance=tolerance, shift=shift),
         close=None if close is None else close(split.parameter),
+        coarse_beyond=coarse_beyond,
         images=math.floor((cutoff + extent + period) / period),
         quasi_periodic=wave_number is not None,
     )

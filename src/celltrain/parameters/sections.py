@@ -77,7 +77,7 @@ class Resolution(Section):
         description="order of the grid on which the membrane energy is integrated",
     )
     source_order: Whole = Field(
-        default_factory=lambda given: -(-5 * given["degree"] // 2),
+        default_factory=lambda given: 2 * -(-5 * given["degree"] // 4),
         ge=6,
         le=400,
         description="order of the grid that carries the forces",

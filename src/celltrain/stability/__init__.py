@@ -1,34 +1,93 @@
 """Linear stability of steady trains."""
 
+from celltrain.stability.adjoint import (
+    StructuralSensitivity,
+    biorthogonality_error,
+    condition_number,
+    mode_vectors,
+    receptivity,
+    structural_sensitivity,
+)
 from celltrain.stability.analysis import check_linearisable, neutral_space, stability
+from celltrain.stability.coordinates import NormedBlock, normed_block, normed_blocks
 from celltrain.stability.full_matrix import (
     Derivative,
     ExactDerivative,
     FiniteDifference,
     full_matrix,
 )
+from celltrain.stability.infinite import (
+    InfiniteTrain,
+    WaveMode,
+    distance_to_uniform,
+    infinite_train,
+)
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.norms import NORMS, Norm, OrthonormalNorm, PaperNorm, SurfaceNorm
+from celltrain.stability.pseudospectrum import (
+    Kreiss,
+    Pseudospectrum,
+    Window,
+    kreiss_constant,
+    pseudospectrum,
+)
 from celltrain.stability.result import Mode, Stability, TransientMode
 from celltrain.stability.spectrum import block_spectrum, numerical_abscissa
+from celltrain.stability.strain_norm import StrainNorm, second_variation
+from celltrain.stability.transient import (
+    BlockGrowth,
+    OptimalDisturbance,
+    Peak,
+    TransientGrowth,
+    optimal_disturbance,
+    propagator_norm,
+    transient_growth,
+)
 
 __all__ = [
     "NORMS",
+    "BlockGrowth",
     "Derivative",
     "ExactDerivative",
     "FiniteDifference",
+    "InfiniteTrain",
+    "Kreiss",
     "Mode",
     "Norm",
+    "NormedBlock",
+    "OptimalDisturbance",
     "OrthonormalNorm",
     "PaperNorm",
+    "Peak",
+    "Pseudospectrum",
     "Stability",
+    "StrainNorm",
+    "StructuralSensitivity",
     "SurfaceNorm",
+    "TransientGrowth",
     "TransientMode",
+    "WaveMode",
+    "Window",
+    "biorthogonality_error",
     "block_spectrum",
     "check_linearisable",
+    "condition_number",
+    "distance_to_uniform",
     "full_matrix",
+    "infinite_train",
+    "kreiss_constant",
     "linear_blocks",
+    "mode_vectors",
     "neutral_space",
+    "normed_block",
+    "normed_blocks",
     "numerical_abscissa",
+    "optimal_disturbance",
+    "propagator_norm",
+    "pseudospectrum",
+    "receptivity",
+    "second_variation",
     "stability",
+    "structural_sensitivity",
+    "transient_growth",
 ]

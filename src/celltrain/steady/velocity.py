@@ -23,8 +23,7 @@ def fluid_velocity(
     **Arguments:** `points`: x, y, z in r0; the tube's axis is z, one cell's mean point is the
     origin, and the train repeats every `base.train.period`.
 
-    Points much closer to a membrane than the spacing of the source grid, pi/`source_order` times
-    the cell's size, are less accurate: the integrals over the membranes use the ordinary grid.
+    It does not depend on the viscosity inside the cells, which move rigidly.
 
     **Raises:** `CaseError` for a point outside the tube.
     """

@@ -18,13 +18,14 @@ from jaxtyping import Array, Float
 from celltrain.flow import OwnSurfaceRule, PeriodicTube, Sources, own_surface_rule, periodic_tube
 from celltrain.flow.close import close_rule
 from celltrain.flow.neighbours import CloseEvaluation
-from celltrain.flow.sources import SYMMETRIC, Surface
-from celltrain.harmonics import SphereGrid, harmonic_tables, sphere_grid
+from celltrain.flow.sources import Surface
+from celltrain.harmonics import SphereGrid, sphere_grid
 from celltrain.membrane import Membrane, make_membrane, reference_coefficients
 from celltrain.membrane.laws import make_law
 from celltrain.parameters import Resolution, Train
 from celltrain.train.gmres import Convergence
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
+from celltrain.train.source_grid import SourceGrid, source_grid
 
 Shapes = Float[Array, "cell 3 coefficient"]
 
@@ -49,8 +50,8 @@ class TrainOperator(eqx.Module):
     membrane: Membrane
     tube: PeriodicTube
     own_rule: OwnSurfaceRule
-    source_grid: SphereGrid
-    source_tangents: Float[Array, "2 point coefficient"]
+    source_grid: SourceGrid
+    coarse_grid: SourceGrid | None
     target_grid: SphereGrid
     viscosity_ratio: Float[Array, ""] | None
     solver_tolerance: float = eqx.field(static=True)
@@ -124,29 +125,19 @@ class TrainOperator(eqx.Module):
 
     def source_points(self, shapes: Shapes) -> Float[Array, "cell ring azimuth 3"]:
         """Points of the source grid on each cell."""
-        grid = self.source_grid
-        points = jnp.einsum("pk,cik->cpi", grid.values, shapes)
-        return points.reshape(shapes.shape[0], grid.rings, grid.azimuths, 3)
+        return self.source_grid.points(shapes)
 
     def sources(self, shapes: Shapes, forces: Shapes) -> Sources:
-        """The source grid with the point forces there."""
-        grid, points = self.source_grid, self.source_points(shapes)
-        strengths = jnp.einsum("pk,cik->cpi", grid.values * grid.weights[:, None], forces)
-        surface = Surface(shapes, forces=forces)
-        return Sources(points, forces=strengths.reshape(points.shape), surface=surface)
+        """The source grids with the point forces there."""
+        return self._sampled(Surface(shapes, forces=forces))
 
     def motion_sources(self, shapes: Shapes, motions: Shapes) -> Sources:
-        """The source grid with the stresslets there of a double layer w = u."""
-        grid, points = self.source_grid, self.source_points(shapes)
-        down, across = jnp.einsum("dpk,cik->dcpi", self.source_tangents, shapes)
-        normals = jnp.cross(down, across)
-        values = jnp.einsum("pk,cik->cpi", grid.values * grid.weights[:, None], motions)
-        dyads = [values[..., i] * normals[..., j] for i, j in SYMMETRIC]
-        twins = [values[..., j] * normals[..., i] for i, j in SYMMETRIC]
-        stresslets = jnp.stack(dyads, axis=-1) + jnp.stack(twins, axis=-1)
-        stresslets = stresslets.reshape(*points.shape[:3], 6)
-        surface = Surface(shapes, densities=motions)
-        return Sources(points, stresslets=stresslets, surface=surface)
+        """The source grids with the stresslets there of a double layer w = u."""
+        return self._sampled(Surface(shapes, densities=motions))
+
+    def _sampled(self, surface: Surface) -> Sources:
+        coarse = None if self.coarse_grid is None else self.coarse_grid.samples(surface, None)
+        return self.source_grid.samples(surface, coarse)
 
     def own_velocity(
         self, targets: Float[Array, "cell ring azimuth 3"], shapes: Shapes, forces: Shapes
@@ -163,16 +154,31 @@ class TrainOperator(eqx.Module):
         return self.tube.velocity(targets, owners, self.sources(shapes, forces))
 
     def velocity_at(
-        self, points: Float[Array, "point 3"], shapes: Shapes
+        self,
+        points: Float[Array, "point 3"],
+        shapes: Shapes,
+        motions: Shapes | None = None,
     ) -> Float[Array, "point 3"]:
-        """Velocity, in U, at points in the fluid or inside cells, not too close to a membrane.
+        """Velocity, in U, at points in the fluid or inside cells, up to the membranes.
 
-        The source grid is used as it is: its spacing should be well below a point's distance from
-        the nearest membrane.
+        **Arguments:** `motions`: rates of the shapes, which count if they are not rigid and the
+        viscosity ratio is not 1.
         """
-        loose = self.sources(shapes, self.forces(shapes))
-        off_cells = jnp.array([-1])
-        return self.tube.velocity(points[None, :, None], off_cells, loose)[0, :, 0]
+        targets, off_cells = points[None, :, None], jnp.array([-1])
+        sources = self.sources(shapes, self.forces(shapes))
+        velocity = self.tube.velocity(targets, off_cells, sources)[0, :, 0]
+        if motions is None or self.viscosity_ratio is None:
+            return velocity
+
+        def double_layer(motions: Shapes) -> Array:
+            sources = self.motion_sources(shapes, motions)
+            return self.tube.velocity(targets, off_cells, sources, mean_flow=False)[0, :, 0]
+
+        velocity = velocity + (1.0 - self.viscosity_ratio) * double_layer(motions)
+        # The double layer of a constant is its negative inside, and nothing outside.
+        upward = jnp.zeros_like(shapes).at[:, 2, 0].set(math.sqrt(4.0 * math.pi))
+        inside = double_layer(upward)[:, 2:] < -0.5
+        return jnp.where(inside, velocity / self.viscosity_ratio, velocity)
 
     def project(self, velocity: Array) -> Array:
         """Harmonic coefficients [cell, 3, coefficient] of velocities on the target grid."""
@@ -274,9 +280,8 @@ def train_operator(
     resolution: Resolution = train.resolution
     resting = train_membrane(train)
     target_grid = sphere_grid(resolution.degree, resolution.target_order)
-    source_grid = sphere_grid(resolution.degree, resolution.source_order)
-    theta, phi = source_grid.points()
-    tangents = harmonic_tables(resolution.degree, theta, phi)
+    order = resolution.source_order
+    halved = order % 2 == 0 and order // 2 >= resolution.degree
     ratio = train.flow.viscosity_ratio
     widest = float(
         np.hypot(*np.asarray(target_grid.values @ resting.reference_shape[:2].T).T).max()
@@ -285,7 +290,8 @@ def train_operator(
     def close_evaluation(parameter: float) -> CloseEvaluation:
         distance = close_distance(train)
         rule = close_rule(resolution.degree, parameter=parameter, farthest=distance)
-        return CloseEvaluation(rule, jnp.asarray(np.stack([theta, phi], axis=-1)), distance)
+        angles = np.stack(sphere_grid(resolution.degree, order).points(), axis=-1)
+        return CloseEvaluation(rule, jnp.asarray(angles), distance)
 
     tube = periodic_tube(
         train.tube.diameter,
@@ -297,6 +303,7 @@ def train_operator(
         rings=rings,
         wave_number=wave_number,
         close=close_evaluation if (not rings if close is None else close) else None,
+        coarse_beyond=2.0 * close_distance(train),
     )
     return TrainOperator(
         membrane=resting,
@@ -308,8 +315,8 @@ def train_operator(
             azimuthal=resolution.polar_azimuthal,
             parameter=tube.split.parameter,
         ),
-        source_grid=source_grid,
-        source_tangents=jnp.stack([tangents.d_theta, tangents.d_phi / np.sin(theta)[:, None]]),
+        source_grid=source_grid(resolution.degree, order),
+        coarse_grid=source_grid(resolution.degree, order // 2) if halved else None,
         target_grid=target_grid,
         viscosity_ratio=None if ratio == 1.0 else jnp.asarray(ratio),
         solver_tolerance=SOLVER_TOLERANCE * resolution.tolerance,

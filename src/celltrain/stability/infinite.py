@@ -1,0 +1,281 @@
+"""Trains without end: growth rates of waves of any length, and the most unstable one.
+
+A disturbance exp(i q p) of an infinite train, p the number of the cell, has the block A_m(q) of
+`linear_blocks` with any real q, computed from one cell. A train of N cells with periodic ends has q
+= 2 pi j/N only, so its eigenvalues lie on the infinite train's curves alpha_m(q). A_m(-q) is the
+complex conjugate of A_m(q): 0 <= q <= pi is all.
+
+q = 0 is special in two ways. There the flow rate is held by the mean flow. This makes no
+difference: a wave with q > 0 carries no flux, since the flux is the same at all z; A_m(q) - A_m(0)
+vanishes as q does (`distance_to_uniform`; at D = 6, packing 0.2, M = 12: 0.005 q, 0.025 q, 0.004 q,
+0.0005 q of |A_m(0)| for m = 0 ... 3). And there, only, the train's displacement is a neutral mode
+that is set aside. For small q it is a wave of the cells' spacing with an eigenvalue close to 0
+(-3.5e-4 q^2 + 0.0012 i q in the same case): alpha_0(q) goes to 0 with q, alpha_0(0) is the next
+mode's.
+
+Between the samples A_m(q) is a cubic spline, across q = 0 and pi by A_m(-q) = conj A_m(q). The best
+growth rate on it is found by a search in small steps and bounded optimisation; the dynamics there
+is then computed anew. So an optimum is exact for its q, whose own error matters in second order.
+"""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.optimize
+import xarray as xr
+from jaxtyping import Complex, Float
+from scipy.interpolate import CubicSpline
+
+from celltrain.parameters import CaseError
+from celltrain.stability.analysis import check_linearisable, neutral_space
+from celltrain.stability.coordinates import normed_block
+from celltrain.stability.linearise import Blocks, Progress, linear_blocks
+from celltrain.stability.norms import Norm, PaperNorm
+from celltrain.stability.spectrum import NeutralSpace, block_spectrum
+from celltrain.steady import Base
+
+#: Azimuthal numbers of the modes that matter in all trains tried.
+NUMBERS = (0, 1, 2, 3)
+SAMPLES = 17
+# Steps of the search between two samples, and the tolerance of q at its end.
+STEPS = 8
+WAVE_NUMBER_TOLERANCE = 1e-6
+
+Waves = Float[np.ndarray, " wave"]
+
+
+@dataclass(frozen=True)
+class WaveMode:
+    """The fastest growing mode of A_m(q), neutral modes set aside; q in radians per cell.
+
+    `right` and `left` are its vectors in `azimuthal_basis(degree, m)`, left^H right = 1.
+    """
+
+    growth_rate: float
+    frequency: float
+    azimuthal_number: int
+    wave_number: float
+    right: Complex[np.ndarray, " size"]
+    left: Complex[np.ndarray, " size"]
+
+
+@dataclass(frozen=True)
+class InfiniteTrain:
+    """The linear dynamics of an infinite train at the wave numbers q, rates in U/r0.
+
+    `leading` holds for each m one mode for each q; `numerical_abscissas` for each m the largest
+    initial growth rates in the norm (see `coordinates` for what it does about neutral modes).
+    `most_unstable` is the best of all q, by optimisation, not of the samples only.
+    """
+
+    base: Base
+    norm: str
+    wave_numbers: Waves
+    leading: dict[int, tuple[WaveMode, ...]]
+    numerical_abscissas: dict[int, Waves]
+    most_unstable: WaveMode
+    seconds: dict[str, float]
+
+    @property
+    def azimuthal_numbers(self) -> tuple[int, ...]:
+        """Those that were looked at."""
+        return tuple(self.leading)
+
+    def growth_rates(self, m: int) -> Waves:
+        """alpha_m(q) at the wave numbers."""
+        return np.array([mode.growth_rate for mode in self.leading[m]])
+
+    def frequencies(self, m: int) -> Waves:
+        """Imaginary part of the leading eigenvalue of A_m(q); the phase moves at -this/q."""
+        return np.array([mode.frequency for mode in self.leading[m]])
+
+    def to_dataset(self) -> xr.Dataset:
+        """Curves and optimum as a data set with units, ready for netCDF."""
+        numbers = self.azimuthal_numbers
+        dims = ("azimuthal", "wave")
+        best = self.most_unstable
+
+        def table(rows: list[Waves], symbol: str, name: str) -> xr.Variable:
+            notes = {"long_name": name, "units": "U/r0", "symbol": symbol}
+            return xr.Variable(dims, np.stack(rows), notes)
+
+        def number(value: float, unit: str, name: str) -> xr.Variable:
+            return xr.Variable((), value, {"long_name": name, "units": unit})
+
+        return xr.Dataset(
+            {
+                "growth_rate": table(
+                    [self.growth_rates(m) for m in numbers],
+                    r"\alpha_m(q)",
+                    "largest growth rate, neutral modes set aside",
+                ),
+                "frequency": table(
+                    [self.frequencies(m) for m in numbers],
+                    r"\omega_m(q)",
+                    "frequency of the same mode",
+                ),
+                "numerical_abscissa": table(
+                    [self.numerical_abscissas[m] for m in numbers],
+                    r"\eta_m(q)",
+                    f"largest initial growth rate in the norm {self.norm}",
+                ),
+                "most_unstable_growth_rate": number(
+                    best.growth_rate, "U/r0", "growth rate of the most unstable wave"
+                ),
+                "most_unstable_frequency": number(best.frequency, "U/r0", "its frequency"),
+                "most_unstable_wave_number": number(
+                    best.wave_number, "radian", "its phase from cell to cell"
+                ),
+                "most_unstable_azimuthal_number": number(
+                    float(best.azimuthal_number), "1", "its azimuthal number"
+                ),
+            },
+            coords={
+                "azimuthal": ("azimuthal", np.array(numbers)),
+                "wave": ("wave", self.wave_numbers, {"units": "radian", "symbol": "q"}),
+            },
+            attrs={
+                "title": "linear dynamics of an infinite train",
+                "norm": self.norm,
+                "case": self.base.train.to_toml(),
+                "origin": self.base.origin,
+            },
+        )
+
+
+def infinite_train(
+    base: Base,
+    *,
+    wave_numbers: Sequence[float] | Waves | None = None,
+    azimuthal_numbers: Sequence[int] = NUMBERS,
+    norm: Norm | None = None,
+    progress: Progress | None = None,
+) -> InfiniteTrain:
+    """Growth rates of an infinite train over the wave number q, and the most unstable wave.
+
+    **Arguments:**
+
+    - `base`: the steady train; its number of cells does not matter.
+    - `wave_numbers`: q in radians per cell, rising, 0 to pi; 17 in equal steps if not given.
+    - `azimuthal_numbers`: m, each from 0 to the degree.
+    - `norm`: of eta_m(q); that of the paper, Eq. (8), if not given.
+    - `progress`: called with (wave numbers done, all).
+
+    **Returns:** an `InfiniteTrain`.
+
+    **Raises:** `CaseError` for wave or azimuthal numbers that are not allowed.
+    """
+    begin = time.perf_counter()
+    numbers = tuple(azimuthal_numbers)
+    check_linearisable(base.train, numbers)
+    waves = np.linspace(0.0, np.pi, SAMPLES) if wave_numbers is None else np.array(wave_numbers)
+    check_waves(waves)
+    norm = PaperNorm() if norm is None else norm
+    seconds: dict[str, float] = {}
+    blocks = linear_blocks(
+        base.train, base.coefficients, waves, numbers, seconds=seconds, progress=progress
+    )
+    leading = {
+        m: tuple(_leading(base, m, float(q), blocks[m][i]) for i, q in enumerate(waves))
+        for m in numbers
+    }
+    abscissas = {
+        m: np.array(
+            [
+                normed_block(block, gram, _neutral(base, m, q)).numerical_abscissa
+                for q, block in zip(waves, blocks[m], strict=True)
+            ]
+        )
+        for m, gram in norm.grams(base.coefficients, numbers).items()
+    }
+    best = max((mode for each in leading.values() for mode in each), key=lambda w: w.growth_rate)
+    if len(waves) > 1:
+        m, q = _best_between(base, waves, blocks)
+        # All azimuthal numbers: their programs are compiled already.
+        again = linear_blocks(
+            base.train, base.coefficients, np.array([q]), numbers, seconds=seconds
+        )
+        best = max(best, _leading(base, m, q, again[m][0]), key=lambda mode: mode.growth_rate)
+    seconds["total"] = time.perf_counter() - begin
+    return InfiniteTrain(base, norm.name, waves, leading, abscissas, best, seconds)
+
+
+def distance_to_uniform(
+    base: Base,
+    wave_numbers: Sequence[float],
+    azimuthal_numbers: Sequence[int] = NUMBERS,
+) -> dict[int, Waves]:
+    """|A_m(q) - A_m(0)|/|A_m(0)|, 2-norms, for each m and each q (radians per cell)."""
+    waves = np.array([0.0, *wave_numbers])
+    blocks = linear_blocks(base.train, base.coefficients, waves, azimuthal_numbers)
+    return {
+        m: np.linalg.norm(each[1:] - each[0], 2, axis=(1, 2)) / np.linalg.norm(each[0], 2)
+        for m, each in blocks.items()
+    }
+
+
+def check_waves(waves: Waves) -> None:
+    """See to it that wave numbers rise, from 0 to pi.
+
+    **Raises:** `CaseError` if they do not.
+    """
+    if waves.ndim != 1 or len(waves) == 0:
+        raise CaseError("wave_numbers = none is not allowed; allowed: numbers from 0 to pi")
+    wrong = waves[~((waves >= 0.0) & (waves <= np.pi))]
+    if wrong.size:
+        raise CaseError(f"wave_numbers = {wrong[0]:g} is not allowed; allowed: from 0 to pi")
+    if (np.diff(waves) <= 0.0).any():
+        raise CaseError("wave_numbers that do not rise are not allowed")
+
+
+def _neutral(base: Base, m: int, q: float) -> NeutralSpace:
+    return neutral_space(base, m, 0 if q == 0.0 else 1)
+
+
+def _leading(base: Base, m: int, q: float, block: Complex[np.ndarray, "size size"]) -> WaveMode:
+    spectrum = block_spectrum(block, _neutral(base, m, q))
+    index = spectrum.kinds.index("")
+    value = spectrum.eigenvalues[index]
+    return WaveMode(
+        float(value.real),
+        float(value.imag),
+        m,
+        q,
+        spectrum.right[:, index],
+        spectrum.left[:, index],
+    )
+
+
+def _best_between(base: Base, waves: Waves, blocks: Blocks) -> tuple[int, float]:
+    """Azimuthal and wave number of the largest growth rate on the splines through the samples."""
+    best, place = -np.inf, (0, 0.0)
+    for m, samples in blocks.items():
+        spline = _spline(waves, samples)
+
+        def decay(q: float, m: int = m, spline: CubicSpline = spline) -> float:
+            return -_leading(base, m, q, spline(q)).growth_rate
+
+        steps = np.interp(
+            np.arange(STEPS * (len(waves) - 1) + 1) / STEPS, np.arange(len(waves)), waves
+        )
+        index = int(np.argmin([decay(float(q)) for q in steps]))
+        bounds = (steps[max(index - 1, 0)], steps[min(index + 1, len(steps) - 1)])
+        found = scipy.optimize.minimize_scalar(
+            decay, bounds=bounds, method="bounded", options={"xatol": WAVE_NUMBER_TOLERANCE}
+        )
+        # The optimiser never looks at the ends themselves.
+        for q in (float(found.x), float(steps[index])):
+            if -decay(q) > best:
+                best, place = -decay(q), (m, q)
+    return place
+
+
+def _spline(waves: Waves, samples: Complex[np.ndarray, "wave size size"]) -> CubicSpline:
+    """A_m(q) from -pi to 2 pi."""
+    mirrored = np.concatenate([samples[::-1].conj(), samples, samples[::-1].conj()])
+    places, first = np.unique(
+        np.concatenate([-waves[::-1], waves, 2.0 * np.pi - waves[::-1]]), return_index=True
+    )
+    return CubicSpline(places, mirrored[first])

@@ -1,0 +1,123 @@
+"""A norm of disturbances by the strain that they put on the membrane.
+
+The energy's second variation at the steady train is no norm. It vanishes for translations; and as
+the steady membrane is under stress, it is not zero for turns, though these change no energy, and
+its sign is not known in general (`second_variation`; for a turn w it is the work F.(w x (w x x)) of
+the membrane's force F). So the norm takes the stiffness without the stress:
+
+    |d|^2 = H(d, d)/(Es S) + w <|P d|^2>,
+
+H the second variation of the energy of a membrane with the same moduli whose resting shape is the
+steady one, S its area. H >= 0 since that energy is least there, and H(d, d) = 0 exactly for rigid
+motions. These cost no energy but do disturb the train, which is why they are counted by their mean
+square displacement <.> over the area, P d being the rigid part of d in the sense of least mean
+squares. Without the second term a rigid displacement would grow infinitely many times as it
+deforms the cell; so growth in this norm depends on the weight w: state it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import scipy.linalg
+from jaxtyping import Array, Float
+
+from celltrain.membrane import Membrane, make_membrane
+from celltrain.membrane.laws import make_law
+from celltrain.parameters import CaseError, Train
+from celltrain.stability.norms import Grams, Norm, Shape, SurfaceNorm
+from celltrain.train import area_vectors, azimuthal_basis
+
+BATCH = 12
+
+
+@eqx.filter_jit
+def _curvatures(
+    membrane: Membrane, shape: Float[Array, "3 coefficient"], directions: Array
+) -> Float[Array, "direction 3 coefficient"]:
+    def change(direction: Array) -> Array:
+        return jax.jvp(jax.grad(membrane.energy), (shape,), (direction,))[1]
+
+    return jax.lax.map(change, directions, batch_size=BATCH)
+
+
+def second_variation(membrane: Membrane, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
+    """d^2 E/ds^2 of the energy of one axisymmetric cell, in mu U, for each azimuthal number m.
+
+    In `azimuthal_basis(degree, m)`. Positive semidefinite where the membrane is free of stress, in
+    general indefinite.
+    """
+    degree = int(np.sqrt(shape.shape[-1]))
+    bases = [azimuthal_basis(degree, m) for m in azimuthal_numbers]
+    directions = np.concatenate(bases)
+    # Whole batches only: a remainder would be compiled as a second program.
+    padded = jnp.pad(directions, ((0, -len(directions) % BATCH), (0, 0), (0, 0)))
+    changes = np.asarray(_curvatures(membrane, jnp.asarray(shape), padded))
+    grams, start = {}, 0
+    for m, basis in zip(azimuthal_numbers, bases, strict=True):
+        part = np.einsum("uik,vik->uv", basis, changes[start : start + len(basis)])
+        grams[m] = 0.5 * (part + part.T)
+        start += len(basis)
+    return grams
+
+
+def rigid_motions(shape: Shape, m: int) -> Float[np.ndarray, "size count"]:
+    """Translations and rotations of a cell with azimuthal number m, as columns (m = 0, 1: two).
+
+    In `azimuthal_basis(degree, m)`, of unit coefficient norm, not orthogonal; for m = 0 those along
+    and about the axis, for m = 1 those across it and the tilt.
+    """
+    basis = azimuthal_basis(int(np.sqrt(shape.shape[-1])), m)
+    moved = np.zeros((2, *shape.shape))
+    if m == 0:
+        moved[0, 2, 0] = 1.0
+        moved[1] = np.stack([-shape[1], shape[0], np.zeros_like(shape[0])])
+    elif m == 1:
+        moved[0, 0, 0] = 1.0
+        moved[1] = np.stack([shape[2], np.zeros_like(shape[0]), -shape[0]])
+    else:
+        return np.zeros((len(basis), 0))
+    columns = np.einsum("uik,cik->uc", basis, moved)
+    return columns / np.linalg.norm(columns, axis=0)
+
+
+@dataclass(frozen=True)
+class StrainNorm(Norm):
+    """Strain energy of a disturbance and mean square of its rigid part (see the module).
+
+    `rigid_weight` is w > 0.
+    """
+
+    train: Train
+    rigid_weight: float = 1.0
+    name: str = "strain"
+
+    def __post_init__(self) -> None:
+        if not self.rigid_weight > 0.0:
+            raise CaseError(f"rigid_weight = {self.rigid_weight:g} is not allowed; allowed: > 0")
+
+    def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
+        """Dense matrices."""
+        cell = self.train.cell
+        at_rest = make_membrane(
+            make_law(cell.law, cell.shear_modulus, cell.dilatation_modulus),
+            cell.bending_modulus,
+            shape,
+            energy_order=self.train.resolution.energy_order,
+        )
+        vectors, weights, _ = area_vectors(shape)
+        area = float(np.linalg.norm(vectors, axis=-1) @ weights)
+        stiffness = second_variation(at_rest, shape, azimuthal_numbers)
+        surface = SurfaceNorm().grams(shape, azimuthal_numbers)
+        grams = {}
+        for m, gram in stiffness.items():
+            along = surface[m] @ rigid_motions(shape, m)
+            rigid = np.zeros_like(gram)
+            if along.shape[1]:
+                inner = rigid_motions(shape, m).T @ along
+                rigid = along @ scipy.linalg.solve(inner, along.T, assume_a="pos")
+            grams[m] = gram / (cell.shear_modulus * area) + self.rigid_weight * rigid
+        return grams

@@ -1,0 +1,157 @@
+"""Infinite trains: curves over the wave number, and the most unstable wave."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose
+
+from celltrain import Base, CaseError, Stability
+from celltrain.cli import analyses, infinite, main
+from celltrain.pictures import draw_dispersion
+from celltrain.stability import (
+    InfiniteTrain,
+    PaperNorm,
+    block_spectrum,
+    distance_to_uniform,
+    infinite_train,
+    linear_blocks,
+    neutral_space,
+    normed_blocks,
+)
+
+# All those of the N-cell train: the same compiled programs.
+NUMBERS = tuple(range(7))
+
+
+@pytest.fixture(scope="module")
+def curves(coarse_base: Base) -> InfiniteTrain:
+    return infinite_train(
+        coarse_base, wave_numbers=np.pi * np.arange(7) / 6, azimuthal_numbers=NUMBERS
+    )
+
+
+def test_a_train_of_n_cells_lies_on_the_curves(
+    curves: InfiniteTrain, coarse_stability: Stability
+) -> None:
+    blocks = normed_blocks(coarse_stability, PaperNorm())
+    assert curves.azimuthal_numbers == NUMBERS
+    for m in NUMBERS:
+        for j in range(2):
+            # q = 2 pi j/3 are samples 0 and 4 of 0 ... pi in six steps.
+            assert_allclose(curves.wave_numbers[4 * j], 2 * np.pi * j / 3, rtol=1e-15)
+            modes = [
+                mode
+                for mode in coarse_stability.modes
+                if (mode.azimuthal_number, mode.wave_number) == (m, j) and not mode.neutral
+            ]
+            assert_allclose(curves.growth_rates(m)[4 * j], modes[0].growth_rate, atol=1e-9)
+            frequencies = [
+                x.frequency for x in modes if x.growth_rate > modes[0].growth_rate - 1e-9
+            ]
+            assert np.abs(np.array(frequencies) - curves.frequencies(m)[4 * j]).min() < 1e-9
+            eta = blocks[m, j].numerical_abscissa
+            assert_allclose(curves.numerical_abscissas[m][4 * j], eta, atol=1e-9)
+
+
+def test_the_optimum_is_an_eigenvalue_and_the_largest(
+    curves: InfiniteTrain, coarse_base: Base
+) -> None:
+    best = curves.most_unstable
+    samples = max(curves.growth_rates(m).max() for m in NUMBERS)
+    assert best.growth_rate >= samples
+    block = linear_blocks(
+        coarse_base.train, coarse_base.coefficients, np.array([best.wave_number]), NUMBERS
+    )[best.azimuthal_number][0]
+    value = complex(best.growth_rate, best.frequency)
+    size = np.linalg.norm(block, 2)
+    assert_allclose(block @ best.right, value * best.right, atol=1e-9 * size)
+    assert_allclose(best.left.conj() @ best.right, 1.0, rtol=1e-9)
+
+
+def test_an_optimum_between_samples_is_found(coarse_base: Base) -> None:
+    # q = 0 and its displacement are left out, so that few samples show where the maximum is.
+    few = np.array([0.3, 0.9, 1.6, 2.3, 3.0])
+    found = infinite_train(coarse_base, wave_numbers=few, azimuthal_numbers=NUMBERS)
+    best = found.most_unstable
+    m = best.azimuthal_number
+    waves = np.linspace(few[0], few[-1], 10)
+    blocks = linear_blocks(coarse_base.train, coarse_base.coefficients, waves, NUMBERS)
+    rates = {
+        n: [
+            next(
+                value.real
+                for value, kind in zip(spectrum.eigenvalues, spectrum.kinds, strict=True)
+                if not kind
+            )
+            for spectrum in (block_spectrum(each, neutral_space(coarse_base, n, 1)) for each in b)
+        ]
+        for n, b in blocks.items()
+    }
+    largest = max(max(each) for each in rates.values())
+    assert best.growth_rate >= largest - 1e-6
+    assert max(rates[m]) == largest
+
+
+def test_waves_go_to_uniform_disturbances(coarse_base: Base) -> None:
+    distances = distance_to_uniform(coarse_base, [0.02, 0.04], NUMBERS)
+    for m in (0, 1, 2):
+        small, double = distances[m]
+        # The difference vanishes as q does, in proportion.
+        assert 0.0 < small < 1e-2
+        assert_allclose(double / small, 2.0, rtol=0.05)
+
+
+def test_what_is_refused(coarse_base: Base) -> None:
+    for waves, words in (
+        ([0.0, 4.0], "wave_numbers = 4"),
+        ([-0.1, 1.0], "wave_numbers = -0.1"),
+        ([1.0, 0.5], "do not rise"),
+        ([], "none is not allowed"),
+    ):
+        with pytest.raises(CaseError, match=words):
+            infinite_train(coarse_base, wave_numbers=waves)
+    with pytest.raises(CaseError, match="azimuthal_numbers = 7"):
+        infinite_train(coarse_base, azimuthal_numbers=[7])
+
+
+def test_files_and_pictures(curves: InfiniteTrain, tmp_path) -> None:
+    curves.to_dataset().to_netcdf(tmp_path / "curves.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "curves.nc", engine="h5netcdf") as data:
+        assert_allclose(data["growth_rate"].sel(azimuthal=1), curves.growth_rates(1), rtol=0)
+        assert float(data["most_unstable_growth_rate"]) == curves.most_unstable.growth_rate
+        assert data["growth_rate"].attrs["units"] == "U/r0"
+        assert "[tube]" in data.attrs["case"]
+    assert draw_dispersion(curves, tmp_path / "curves.png").stat().st_size > 10_000
+
+
+def test_command(curves, monkeypatch, tmp_path, capsys) -> None:
+    asked = {}
+
+    def compute(base, **options):
+        asked.update(options)
+        return curves
+
+    monkeypatch.setattr(analyses, "steady", lambda train, **_: curves.base)
+    monkeypatch.setattr(infinite, "infinite_train", compute)
+    case = ["infinite", "--diameter", "6", "--packing", "0.3", "--degree", "6", "--quiet"]
+    path = tmp_path / "curves.nc"
+    arguments = ["--wave-number", "2", "0.5", "-o", str(path), "--plot", str(tmp_path), "--json"]
+    assert main([*case, *arguments]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert asked["wave_numbers"].tolist() == [0.5, 2.0]
+    assert asked["azimuthal_numbers"] == (0, 1, 2, 3)
+    assert content["most_unstable"]["growth_rate"] == curves.most_unstable.growth_rate
+    assert_allclose(content["growth_rates"]["1"], curves.growth_rates(1), rtol=0)
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["curves.nc", "dispersion.png"]
+    assert main(case) == 0
+    assert "most unstable: growth rate" in capsys.readouterr().out
+
+
+def test_command_refuses(capsys) -> None:
+    case = ["infinite", "--diameter", "6", "--packing", "0.2"]
+    assert main([*case, "--wave-number", "4"]) == 2
+    assert "wave_numbers = 4 is not allowed" in capsys.readouterr().err
+    assert main([*case, "--azimuthal-numbers", "13"]) == 2
+    assert "azimuthal_numbers = 13" in capsys.readouterr().err
