@@ -64,6 +64,9 @@ CASES = (
     Case("evaluation.near_wall", "  near sum on the wall", 7),
     Case("evaluation.near_cells", "  near sum on the cells", 7),
     Case("evaluation.wall_flow", "  flow from the wall", 7),
+    Case("viscous", "the same at viscosity ratio 5", 5, 1.0),
+    Case("dense.ordinary", "packing 0.7, off the axis, no close rule", 5),
+    Case("dense.close", "  with it", 5),
     Case("base", "steady train from rest", 3, 10.0, None, 40.0),
     Case("blocks", "all blocks A_m(q)", 3, 15.0, None, 59.0),
     Case("spectrum", "spectra, numerical abscissas", 3),
@@ -81,6 +84,9 @@ def measure_stage(case: Case, runs: int) -> dict[str, float]:
     )
     if finished.returncode:
         raise SystemExit(f"{case.name} failed:\n{finished.stderr}")
+    for line in finished.stderr.splitlines():
+        if line.startswith("viscosity ratio"):
+            print(line, file=sys.stderr)
     measured: dict[str, float] = json.loads(finished.stdout.splitlines()[-1])
     return measured
 

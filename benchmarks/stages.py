@@ -20,6 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from celltrain import Base, Train, steady
+from celltrain.flow import Sources
 from celltrain.stability import (
     NORMS,
     block_spectrum,
@@ -27,13 +28,14 @@ from celltrain.stability import (
     neutral_space,
     numerical_abscissa,
 )
-from celltrain.train import TrainOperator, place_cells, train_operator
+from celltrain.train import TrainOperator, place_cells, resting_shapes, train_operator
 
 TRAIN = Train(diameter=6, packing=0.2, cells=8)
 AZIMUTHAL_NUMBERS = range(TRAIN.resolution.degree + 1)
 WAVES = np.arange(TRAIN.cells // 2 + 1)
 # Size of the disturbance (r0) that makes the shapes of the train different from each other.
 DISTURBANCE = 0.01
+RATIOS = (0.01, 0.1, 0.5, 2.0, 5.0, 20.0, 100.0, 1000.0)
 
 Work = Callable[[], Any]
 
@@ -76,13 +78,12 @@ def _rings_of_targets(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
     return targets.reshape(-1, *targets.shape[2:])
 
 
-def _sources(operator: TrainOperator, shapes: jax.Array) -> tuple[jax.Array, jax.Array]:
+def _sources(operator: TrainOperator, shapes: jax.Array) -> Sources:
     return operator.sources(shapes, operator.forces(shapes))
 
 
-def _analyse(operator: TrainOperator, sources: tuple[jax.Array, jax.Array]) -> jax.Array:
-    points, strengths = (each.reshape(-1, *each.shape[2:]) for each in sources)
-    return operator.tube.transform.analyse(points, strengths)
+def _analyse(operator: TrainOperator, sources: Sources) -> jax.Array:
+    return operator.tube._far_modes(sources)
 
 
 def _modes(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
@@ -95,24 +96,16 @@ def _synthesise(
     return operator.tube.transform.synthesise([targets, operator.tube.wall.points()], modes)
 
 
-def _near(
-    operator: TrainOperator,
-    targets: jax.Array,
-    owners: jax.Array,
-    sources: tuple[jax.Array, jax.Array],
-) -> jax.Array:
-    """Near sums as the tube takes them (its own way, so that the same work is measured)."""
-    return operator.tube._near(targets.reshape(len(owners), -1, 3), owners, *sources)
+def _near_wall(operator: TrainOperator, sources: Sources) -> jax.Array:
+    # The tube's own way, so that the same work is measured.
+    strips, _ = operator.tube.wall.strips()
+    points = operator.tube.wall.points().reshape(-1, 3)[strips]
+    return operator.tube._near(points, jnp.full(len(strips), -1), sources, None)
 
 
-def _near_wall(operator: TrainOperator, sources: tuple[jax.Array, jax.Array]) -> jax.Array:
-    return _near(operator, operator.tube.wall.points(), jnp.array([-1]), sources)
-
-
-def _near_cells(
-    operator: TrainOperator, targets: jax.Array, sources: tuple[jax.Array, jax.Array]
-) -> jax.Array:
-    return _near(operator, targets, jnp.arange(len(targets)), sources)
+def _near_cells(operator: TrainOperator, targets: jax.Array, sources: Sources) -> jax.Array:
+    cells = sources.cells
+    return operator.tube._near(targets.reshape(cells, -1, 3), jnp.arange(cells), sources, None)
 
 
 def _wall_velocity(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
@@ -124,6 +117,30 @@ def _wall_velocity(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
 def _wall_flow(operator: TrainOperator, targets: jax.Array, boundary: jax.Array) -> jax.Array:
     wall = operator.tube.wall
     return wall.at_points(targets, wall.regular_flow(boundary))
+
+
+def _viscous(ratio: float) -> Work:
+    """The evaluation at another viscosity ratio; says how many iterations each ratio takes."""
+    train = TRAIN.changed(viscosity_ratio=ratio)
+    operator = train_operator(train, cells=train.cells, rings=False)
+    shapes = _disturbed()
+    compiled = eqx.filter_jit(lambda operator, shapes: operator.solved_rates(shapes))
+    for each in RATIOS:
+        other = eqx.tree_at(lambda o: o.viscosity_ratio, operator, jnp.asarray(each))
+        count = int(compiled(other, shapes)[1].iterations)
+        print(f"viscosity ratio {each:g}: {count} iterations", file=sys.stderr)
+    return lambda: compiled(operator, shapes)
+
+
+def _dense(close: bool) -> Work:
+    """An evaluation of close cells, off the axis, with and without the rule for them."""
+    train = TRAIN.changed(packing=0.7)
+    operator = train_operator(train, cells=train.cells, rings=False, close=close)
+    random = np.random.default_rng(0)
+    shapes = resting_shapes(train, train.cells)
+    shapes[:, :2, 0] += 0.3 * random.normal(size=(train.cells, 2))
+    compiled = eqx.filter_jit(lambda operator, shapes: operator.rates(shapes))
+    return lambda: compiled(operator, jnp.asarray(shapes))
 
 
 def _blocks() -> Work:
@@ -161,6 +178,9 @@ STAGES: dict[str, Callable[[], Work]] = {
     "evaluation.near_wall": lambda: _evaluation(_near_wall, _sources),
     "evaluation.near_cells": lambda: _evaluation(_near_cells, _targets, _sources),
     "evaluation.wall_flow": lambda: _evaluation(_wall_flow, _rings_of_targets, _wall_velocity),
+    "viscous": lambda: _viscous(5.0),
+    "dense.ordinary": lambda: _dense(False),
+    "dense.close": lambda: _dense(True),
     "base": lambda: _base,
     "blocks": _blocks,
     "spectrum": _spectrum,

@@ -8,7 +8,7 @@ long wave of the cells' spacing. As q goes to 0 the dynamics goes to that of all
 Scaling. Lengths in r0, velocities in U, rates in U/r0; tube of diameter 6. q in radians per cell.
 
 Reference. Bryngelson and Freund, Phys. Rev. Fluids 3, 073101 (2018), have trains of eight and
-sixteen cells (Fig. 6 and section V B).
+sixteen cells (Fig. 6).
 
 Run time. About two minutes on two cores, the first time some more for compilation.
 

@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
@@ -118,7 +118,14 @@ def test_estimate_bounds_the_effect_of_a_rule(operator: TrainOperator) -> None:
     assert np.linalg.norm(found - expected, axis=-1).max() < estimate * size
 
 
-@settings(max_examples=2, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(
+    max_examples=2,
+    deadline=None,
+    derandomize=True,
+    # A smaller example says no more, and takes as long.
+    phases=[Phase.generate],
+    suppress_health_check=list(HealthCheck),
+)
 @given(seed=st.integers(0, 10**6), ratio=st.sampled_from([0.02, 0.5, 5.0, 200.0]))
 def test_any_configuration(operator: TrainOperator, seed: int, ratio: float) -> None:
     shapes = configuration(seed)

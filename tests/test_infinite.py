@@ -20,6 +20,7 @@ from celltrain.stability import (
     neutral_space,
     normed_blocks,
 )
+from celltrain.stability.infinite import _spline
 
 # All those of the N-cell train: the same compiled programs.
 NUMBERS = tuple(range(7))
@@ -94,6 +95,20 @@ def test_an_optimum_between_samples_is_found(coarse_base: Base) -> None:
     assert max(rates[m]) == largest
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_the_spline_goes_on_beyond_the_ends(first: int) -> None:
+    # Cells that see their neighbours: A(-q) is the conjugate of A(q).
+    own, ahead, behind = np.random.default_rng(5).normal(size=(3, 4, 4))
+
+    def dynamics(q: float) -> np.ndarray:
+        return own + np.exp(1j * q) * ahead + np.exp(-1j * q) * behind
+
+    waves = np.pi * np.arange(13)[first : 13 - first] / 12
+    spline = _spline(waves, np.stack([dynamics(q) for q in waves]))
+    for q in np.linspace(0.0, np.pi, 50):
+        assert_allclose(spline(q), dynamics(q), atol=2e-4 if first == 0 else 4e-3)
+
+
 def test_waves_go_to_uniform_disturbances(coarse_base: Base) -> None:
     distances = distance_to_uniform(coarse_base, [0.02, 0.04], NUMBERS)
     for m in (0, 1, 2):
@@ -107,6 +122,7 @@ def test_what_is_refused(coarse_base: Base) -> None:
     for waves, words in (
         ([0.0, 4.0], "wave_numbers = 4"),
         ([-0.1, 1.0], "wave_numbers = -0.1"),
+        ([0.0, 1e-4], "wave_numbers = 0.0001"),
         ([1.0, 0.5], "do not rise"),
         ([], "none is not allowed"),
     ):

@@ -28,9 +28,9 @@ def study() -> None:
     page.text(
         f"""
 N = {CELLS} unless stated, default resolution (M = 12), azimuthal numbers 0 to 3. The steady train
-does not depend on the viscosity ratio lam. alpha: largest growth rate, neutral modes set aside; eta:
+does not depend on the viscosity ratio lam. alpha: largest growth rate, neutral ones set aside; eta:
 numerical abscissa in the paper's norm; rates in U/r0 (those that the paper prints are ten times
-as large). Tumbling and tank-treading: Eqs. (17)-(21) for the most amplified mode of small amplitude.
+as large). Tumbling and tank-treading: Eqs. (17)-(21) for the most amplified mode.
 """
     )
     two_cells(page)

@@ -35,9 +35,9 @@ Waves = Annotated[
         name="--wave-number",
         consume_multiple=True,
         negative=(),
-        converter=reader(float, "allowed: numbers from 0 to pi"),
-        help="Phases q from cell to cell to compute (radians, 0 to pi); 17 in equal steps if not"
-        " given.",
+        converter=reader(float, "allowed: 0, and numbers from 0.001 to pi"),
+        help="Phases q from cell to cell to compute (radians, 0 or from 0.001 to pi); 17 in equal"
+        " steps if not given.",
     ),
 ]
 Output = Annotated[

@@ -11,7 +11,9 @@ vanishes as q does (`distance_to_uniform`; at D = 6, packing 0.2, M = 12: 0.005 
 0.0005 q of |A_m(0)| for m = 0 ... 3). And there, only, the train's displacement is a neutral mode
 that is set aside. For small q it is a wave of the cells' spacing with an eigenvalue close to 0
 (-3.5e-4 q^2 + 0.0012 i q in the same case): alpha_0(q) goes to 0 with q, alpha_0(0) is the next
-mode's.
+mode's. So an infinite train is never better than marginal: if nothing grows, the most unstable wave
+is the longest one looked at. Waves with 0 < q < 0.001 are not: the wall's equations for them lose
+digits as 1/q (relative errors of A_m(q): 1e-5 at q = 0.001, 1e-3 at 1e-5).
 
 Between the samples A_m(q) is a cubic spline, across q = 0 and pi by A_m(-q) = conj A_m(q). The best
 growth rate on it is found by a search in small steps and bounded optimisation; the dynamics there
@@ -39,6 +41,8 @@ from celltrain.steady import Base
 #: Azimuthal numbers of the modes that matter in all trains tried.
 NUMBERS = (0, 1, 2, 3)
 SAMPLES = 17
+#: Shortest phase but 0 for which the dynamics is accurate.
+SMALLEST = 1e-3
 # Steps of the search between two samples, and the tolerance of q at its end.
 STEPS = 8
 WAVE_NUMBER_TOLERANCE = 1e-6
@@ -158,7 +162,8 @@ def infinite_train(
     **Arguments:**
 
     - `base`: the steady train; its number of cells does not matter.
-    - `wave_numbers`: q in radians per cell, rising, 0 to pi; 17 in equal steps if not given.
+    - `wave_numbers`: q in radians per cell, rising, 0 or from 0.001 to pi; 17 in equal steps from 0
+      to pi if not given.
     - `azimuthal_numbers`: m, each from 0 to the degree.
     - `norm`: of eta_m(q); that of the paper, Eq. (8), if not given.
     - `progress`: called with (wave numbers done, all).
@@ -217,15 +222,17 @@ def distance_to_uniform(
 
 
 def check_waves(waves: Waves) -> None:
-    """See to it that wave numbers rise, from 0 to pi.
+    """See to it that wave numbers rise, and are 0 or from 0.001 to pi.
 
     **Raises:** `CaseError` if they do not.
     """
     if waves.ndim != 1 or len(waves) == 0:
         raise CaseError("wave_numbers = none is not allowed; allowed: numbers from 0 to pi")
-    wrong = waves[~((waves >= 0.0) & (waves <= np.pi))]
+    wrong = waves[~((waves == 0.0) | ((waves >= SMALLEST) & (waves <= np.pi)))]
     if wrong.size:
-        raise CaseError(f"wave_numbers = {wrong[0]:g} is not allowed; allowed: from 0 to pi")
+        raise CaseError(
+            f"wave_numbers = {wrong[0]:g} is not allowed; allowed: 0, and from {SMALLEST:g} to pi"
+        )
     if (np.diff(waves) <= 0.0).any():
         raise CaseError("wave_numbers that do not rise are not allowed")
 
@@ -250,6 +257,8 @@ def _leading(base: Base, m: int, q: float, block: Complex[np.ndarray, "size size
 
 def _best_between(base: Base, waves: Waves, blocks: Blocks) -> tuple[int, float]:
     """Azimuthal and wave number of the largest growth rate on the splines through the samples."""
+    steps = np.interp(np.arange(STEPS * (len(waves) - 1) + 1) / STEPS, np.arange(len(waves)), waves)
+    steps = steps[(steps == 0.0) | (steps >= SMALLEST)]
     best, place = -np.inf, (0, 0.0)
     for m, samples in blocks.items():
         spline = _spline(waves, samples)
@@ -257,13 +266,13 @@ def _best_between(base: Base, waves: Waves, blocks: Blocks) -> tuple[int, float]
         def decay(q: float, m: int = m, spline: CubicSpline = spline) -> float:
             return -_leading(base, m, q, spline(q)).growth_rate
 
-        steps = np.interp(
-            np.arange(STEPS * (len(waves) - 1) + 1) / STEPS, np.arange(len(waves)), waves
-        )
         index = int(np.argmin([decay(float(q)) for q in steps]))
-        bounds = (steps[max(index - 1, 0)], steps[min(index + 1, len(steps) - 1)])
+        low, high = steps[max(index - 1, 0)], steps[min(index + 1, len(steps) - 1)]
         found = scipy.optimize.minimize_scalar(
-            decay, bounds=bounds, method="bounded", options={"xatol": WAVE_NUMBER_TOLERANCE}
+            decay,
+            bounds=(min(max(low, SMALLEST), high), high),
+            method="bounded",
+            options={"xatol": WAVE_NUMBER_TOLERANCE},
         )
         # The optimiser never looks at the ends themselves.
         for q in (float(found.x), float(steps[index])):
