@@ -57,7 +57,8 @@ def rates_and_change() -> Change:
 
 @pytest.fixture(scope="module")
 def any_shapes() -> TrainOperator:
-    return train_operator(TRAIN, cells=CELLS, rings=False)
+    # As operators for rings do, these leave close cells to the ordinary grid.
+    return train_operator(TRAIN, cells=CELLS, rings=False, close=False)
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +131,7 @@ def test_rings_take_steps_in_all_directions(
 
 def test_result_does_not_depend_on_the_splitting(axisymmetric: np.ndarray, rates: Rates) -> None:
     # Which of the two kernels acts on a cell itself depends on it, so the rules must be fine.
-    fine = TRAIN.changed(source_order=30, polar_radial=48, polar_azimuthal=60)
+    fine = TRAIN.changed(source_order=32, polar_radial=54, polar_azimuthal=68)
     one, other = (
         rates(
             train_operator(fine.changed(near_cutoff=cutoff), cells=CELLS, meridian=True),

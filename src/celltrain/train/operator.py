@@ -34,6 +34,8 @@ HALF_LENGTH = 2.5
 # Distance from a membrane, in steps of its source grid (unit sphere), below which the graded rule
 # replaces that grid. Membranes are stretched by up to 1.4 against the unit sphere.
 CLOSE_STEPS = 4.2
+# Relative error of the ordinary rule there.
+CLOSE_TOLERANCE = 1e-6
 # Most iterations of GMRES; at most 20 are needed for ratios from 0.01 to 1000.
 SOLVER_ITERATIONS = 40
 # Residual of that equation relative to the tolerance of the sums in it.
@@ -303,7 +305,10 @@ def train_operator(
         rings=rings,
         wave_number=wave_number,
         close=close_evaluation if (not rings if close is None else close) else None,
-        coarse_beyond=2.0 * close_distance(train),
+        # Errors of the ordinary rules fall exponentially with the distance.
+        coarse_beyond=2.0
+        * close_distance(train)
+        * max(1.0, math.log(resolution.tolerance) / math.log(CLOSE_TOLERANCE)),
     )
     return TrainOperator(
         membrane=resting,
