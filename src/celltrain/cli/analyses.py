@@ -6,38 +6,15 @@ from collections.abc import Callable, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
-from cyclopts import Parameter
 from rich.console import Console
 
-from celltrain.cli.compute import Request, _not_converged, _start, _train
-from celltrain.cli.options import reader
+from celltrain.cli.compute import Request, describe_failure, read_start, read_train
 from celltrain.cli.outputs import check_folder, check_output
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import Train, read_case
 from celltrain.steady import Base, NotConverged, steady
-
-CaseFile = Annotated[Path | None, Parameter(help="TOML file of the case; options override it.")]
-Json = Annotated[bool, Parameter(help="Print one JSON object and nothing else.", negative=())]
-Quiet = Annotated[bool, Parameter(help="No progress on standard error.", negative=())]
-Plot = Annotated[Path | None, Parameter(help="Folder for pictures; made if it is not there.")]
-Start = Annotated[
-    Path | None,
-    Parameter(
-        help="netCDF file with a result to continue from; without a case file, its case is the"
-        " one that the options change."
-    ),
-]
-Numbers = Annotated[
-    list[int] | None,
-    Parameter(
-        consume_multiple=True,
-        negative=(),
-        converter=reader(int, "allowed: whole numbers from 0 to the degree"),
-        help="Azimuthal numbers m to compute, such as 0 1 2.",
-    ),
-]
 
 Result = TypeVar("Result")
 
@@ -64,8 +41,8 @@ def analyse(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Resu
         CaseError: for anything in the request that is not allowed, before computing.
     """
     case = read_case(request.case) if request.case else None
-    start = _start(request.start) if request.start else None
-    train = _train(case, start, leaves)
+    start = read_start(request.start) if request.start else None
+    train = read_train(case, start, leaves)
     analysis.check(train)
     if request.output:
         check_output(request.output)
@@ -77,7 +54,7 @@ def analyse(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Resu
         try:
             base = steady(train, start=start, progress=reporter.iteration)
         except NotConverged as failure:
-            return _not_converged(failure, errors, request.output)
+            return describe_failure(failure, errors, request.output)
         result = analysis.compute(base, reporter)
         if request.output and analysis.save:
             analysis.save(result, request.output)

@@ -13,10 +13,11 @@ from typing import Annotated
 from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
+from celltrain.cli.arguments import CaseFile, Json, Numbers, Plot, Quiet, Start
 from celltrain.cli.compute import Request, run
 from celltrain.cli.evolve import evolve
 from celltrain.cli.infinite import infinite
-from celltrain.cli.options import CaseOptions, given_leaves, reader
+from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.transient import transient
 from celltrain.parameters import CaseError, merge_case, read_case
 
@@ -31,29 +32,9 @@ app = App(
     suppress_keyboard_interrupt=False,
 )
 
-CaseFile = Annotated[Path | None, Parameter(help="TOML file of the case; options override it.")]
-Json = Annotated[bool, Parameter(help="Print one JSON object and nothing else.", negative=())]
-Quiet = Annotated[bool, Parameter(help="No progress on standard error.", negative=())]
 Output = Annotated[
     Path | None,
     Parameter(name=("--output", "-o"), help="netCDF file for the result; replaced if it exists."),
-]
-Plot = Annotated[Path | None, Parameter(help="Folder for pictures; made if it is not there.")]
-Start = Annotated[
-    Path | None,
-    Parameter(
-        help="netCDF file with a result to continue from; without a case file, its case is the"
-        " one that the options change."
-    ),
-]
-Numbers = Annotated[
-    list[int] | None,
-    Parameter(
-        consume_multiple=True,
-        negative=(),
-        converter=reader(int, "allowed: whole numbers from 0 to the degree"),
-        help="Azimuthal numbers m to compute, such as 0 1 2; all if not given.",
-    ),
 ]
 
 

@@ -49,8 +49,8 @@ def run(
         CaseError: for anything in the request that is not allowed, before computing.
     """
     case = read_case(request.case) if request.case else None
-    start = _start(request.start) if request.start else None
-    train = _train(case, start, leaves)
+    start = read_start(request.start) if request.start else None
+    train = read_train(case, start, leaves)
     if stable:
         check_linearisable(train, azimuthal_numbers)
     if request.output:
@@ -68,7 +68,7 @@ def run(
         try:
             base = steady(train, start=start, progress=reporter.iteration)
         except NotConverged as failure:
-            return _not_converged(failure, errors, request.output)
+            return describe_failure(failure, errors, request.output)
         result: Base | Stability = base
         if stable:
             result = stability(base, azimuthal_numbers=azimuthal_numbers, progress=reporter.share)
@@ -77,7 +77,14 @@ def run(
     return 0
 
 
-def _train(case: Mapping[str, Any] | None, start: Base | None, leaves: Mapping[str, Any]) -> Train:
+def read_train(
+    case: Mapping[str, Any] | None, start: Base | None, leaves: Mapping[str, Any]
+) -> Train:
+    """The case of a request: its file's, or its start's, with the options' leaves.
+
+    Raises:
+        CaseError: for what is not allowed.
+    """
     if case is None and start is not None:
         if leaves.get("units") == "SI":
             return merge_case(start.train.leaves("SI"), leaves)
@@ -86,7 +93,12 @@ def _train(case: Mapping[str, Any] | None, start: Base | None, leaves: Mapping[s
     return merge_case(case or {}, leaves)
 
 
-def _start(path: Path) -> Base:
+def read_start(path: Path) -> Base:
+    """The steady train in a result file.
+
+    Raises:
+        CaseError: if there is none.
+    """
     if not path.is_file():
         raise CaseError(f"start = {str(path)!r} cannot be read: there is no such file")
     try:
@@ -121,7 +133,8 @@ def _plain(iteration: Iteration) -> dict[str, Any]:
     return values | {"step": values["step"] if math.isfinite(values["step"]) else None}
 
 
-def _not_converged(failure: NotConverged, errors: Console, output: Path | None) -> int:
+def describe_failure(failure: NotConverged, errors: Console, output: Path | None) -> int:
+    """Say why there is no steady train, keep the last state; return the exit status."""
     errors.print(f"not converged: {failure}", markup=False, highlight=False)
     table = Table("iteration", "method", "residual, U", "step, r0/U", "cell velocity, U")
     for number, iteration in enumerate(failure.history, 1):

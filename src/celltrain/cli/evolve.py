@@ -17,6 +17,7 @@ from typing import Annotated, Any, cast
 from cyclopts import Parameter
 from rich.console import Console
 
+from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.outputs import check_output
 from celltrain.cli.progress import Reporter
@@ -89,8 +90,6 @@ Resume = Annotated[
     bool, Parameter(help="Go on with the simulation in the output file.", negative=())
 ]
 Overwrite = Annotated[bool, Parameter(help="Replace the output file.", negative=())]
-Json = Annotated[bool, Parameter(help="Print one JSON object and nothing else.", negative=())]
-Quiet = Annotated[bool, Parameter(help="No progress on standard error.", negative=())]
 
 
 def evolve(

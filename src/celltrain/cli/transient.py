@@ -8,16 +8,8 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from celltrain.cli.analyses import (
-    Analysis,
-    CaseFile,
-    Json,
-    Numbers,
-    Plot,
-    Quiet,
-    Start,
-    analyse,
-)
+from celltrain.cli.analyses import Analysis, analyse
+from celltrain.cli.arguments import CaseFile, Json, Numbers, Plot, Quiet, Start
 from celltrain.cli.compute import Request
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.progress import Reporter

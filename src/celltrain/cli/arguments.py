@@ -1,0 +1,29 @@
+"""Arguments that several commands take."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from celltrain.cli.options import reader
+
+CaseFile = Annotated[Path | None, Parameter(help="TOML file of the case; options override it.")]
+Json = Annotated[bool, Parameter(help="Print one JSON object and nothing else.", negative=())]
+Quiet = Annotated[bool, Parameter(help="No progress on standard error.", negative=())]
+Plot = Annotated[Path | None, Parameter(help="Folder for pictures; made if it is not there.")]
+Start = Annotated[
+    Path | None,
+    Parameter(
+        help="netCDF file with a result to continue from; without a case file, its case is the"
+        " one that the options change."
+    ),
+]
+Numbers = Annotated[
+    list[int] | None,
+    Parameter(
+        consume_multiple=True,
+        negative=(),
+        converter=reader(int, "allowed: whole numbers from 0 to the degree"),
+        help="Azimuthal numbers m to compute, such as 0 1 2; unless given, all that matter.",
+    ),
+]
