@@ -1,7 +1,7 @@
 """What several tests share. Annotations of arrays are checked while the tests run."""
 
 # ruff: noqa: E402
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -40,6 +40,15 @@ def bullet(degree: int) -> np.ndarray:
     x, y = radius * np.cos(phi), radius * np.sin(phi)
     z = 0.4 * np.cos(theta) + 0.75 * np.cos(theta) ** 2 + 0.25 * np.cos(theta) ** 3 - 0.15
     return np.stack([x, y, z]) * weights @ real_harmonics(degree, theta, phi)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def release_programs() -> Iterator[None]:
+    """Compiled programs go with their module: kept all together, they crash the compiler."""
+    yield
+    import jax
+
+    jax.clear_caches()
 
 
 @pytest.fixture
