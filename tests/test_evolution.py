@@ -11,6 +11,7 @@ import scipy.linalg
 from numpy.testing import assert_allclose, assert_array_equal
 
 from celltrain import Base, CaseError, Stability
+from celltrain.diagnostics import disturbance_amplitude
 from celltrain.evolution import (
     ForwardEuler,
     FromFile,
@@ -19,7 +20,6 @@ from celltrain.evolution import (
     RandomDisplacement,
     RungeKuttaChebyshev,
     Transient,
-    amplitude,
     evolve,
     linear_prediction,
 )
@@ -225,7 +225,7 @@ def test_the_amplitude_is_the_norm_of_the_paper(coarse_stability: Stability) -> 
         amounts = np.random.default_rng(m).normal(size=len(basis))
         change = np.zeros((3, 3, basis.shape[-1]))
         change[1] = np.einsum("u,uik->ik", amounts, basis)
-        assert_allclose(amplitude(change) ** 2, amounts @ gram @ amounts, rtol=1e-12)
+        assert_allclose(disturbance_amplitude(change) ** 2, amounts @ gram @ amounts, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -241,7 +241,7 @@ def test_the_amplitude_is_the_norm_of_the_paper(coarse_stability: Stability) -> 
 def test_disturbances_have_the_amplitude_asked_for(coarse_stability, disturbance) -> None:
     change = disturbance.shapes(coarse_stability)
     assert change.shape == (3, 3, 36)
-    assert_allclose(amplitude(change), disturbance.amplitude, rtol=1e-12)
+    assert_allclose(disturbance_amplitude(change), disturbance.amplitude, rtol=1e-12)
 
 
 def test_modes_as_disturbances(coarse_stability: Stability) -> None:
@@ -278,7 +278,7 @@ def test_disturbances_from_arrays(coarse_base: Base, tmp_path) -> None:
     path = tmp_path / "change.npy"
     np.save(path, change)
     assert_array_equal(FromFile(path).shapes(coarse_base), change)
-    assert_allclose(amplitude(FromFile(path, 0.1).shapes(coarse_base)), 0.1, rtol=1e-12)
+    assert_allclose(disturbance_amplitude(FromFile(path, 0.1).shapes(coarse_base)), 0.1, rtol=1e-12)
     np.save(path, change[:2])
     with pytest.raises(CaseError, match=r"\(2, 3, 36\).*\(3, 3, 36\)"):
         FromFile(path).shapes(coarse_base)

@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from celltrain import Base, CaseError, Stability, load, save
 from celltrain.cli import main
-from celltrain.diagnostics import FRAME_QUANTITIES
+from celltrain.diagnostics import FRAME_QUANTITIES, disturbance_amplitude
 from celltrain.evolution import (
     ForwardEuler,
     FromFile,
@@ -25,7 +25,6 @@ from celltrain.evolution import (
     Run,
     RungeKuttaChebyshev,
     Status,
-    amplitude,
     archive,
     evolve,
     march,
@@ -130,7 +129,7 @@ def test_a_file_holds_everything(whole: Run, whole_path: Path) -> None:
     assert_allclose(np.ptp(whole.frames["cell_volume"]), 0.0, atol=1e-7)
     # Velocities are those in the tube, positions those relative to the steady train.
     assert_allclose(whole.frames["centroid_velocity"][..., 2], whole.base.cell_velocity, rtol=0.2)
-    assert_allclose(amplitude(whole.disturbances[0]), 0.2, rtol=1e-2)
+    assert_allclose(disturbance_amplitude(whole.disturbances[0]), 0.2, rtol=1e-2)
     assert_allclose(whole.frames["eps"][0], whole.history["eps"][0], rtol=1e-12)
 
 

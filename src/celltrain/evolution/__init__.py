@@ -1,6 +1,5 @@
 """Direct numerical simulation: how a disturbed train evolves."""
 
-from celltrain.evolution.amplitude import amplitude
 from celltrain.evolution.disturbances import (
     Disturbance,
     FromFile,
@@ -33,7 +32,6 @@ __all__ = [
     "Status",
     "StepFailed",
     "Transient",
-    "amplitude",
     "evolve",
     "linear_prediction",
     "resume",

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.evolution.amplitude import amplitude
+from celltrain.diagnostics import disturbance_amplitude
 from celltrain.evolution.dynamics import UNIT_DISPLACEMENT
 from celltrain.evolution.integrator import check_positive
 from celltrain.evolution.run import Run
@@ -166,7 +166,7 @@ class FromFile(Disturbance):
 
 def scaled(shapes: Shapes, size: float) -> Shapes:
     """A disturbance with another amplitude."""
-    return shapes * (size / amplitude(shapes))
+    return shapes * (size / disturbance_amplitude(shapes))
 
 
 def _base(start: Base | Stability) -> Base:

@@ -12,8 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from celltrain.evolution.amplitude import paper_weights
 from celltrain.membrane import surface_geometry
+from celltrain.stability import paper_weights
 from celltrain.steady import Base
 from celltrain.train import TrainOperator, place_cells, train_operator
 

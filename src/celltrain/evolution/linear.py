@@ -6,9 +6,8 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Complex, Float
 
-from celltrain.evolution.amplitude import paper_weights
 from celltrain.harmonics import degrees_and_orders
-from celltrain.stability import Stability
+from celltrain.stability import Stability, paper_weights
 from celltrain.train import azimuthal_basis
 
 # Part of a disturbance's square norm that may lie outside the azimuthal numbers that are known.

@@ -45,13 +45,6 @@ class ClosePairs(eqx.Module):
         chosen = targets[self.group, self.target]
         return chosen - jnp.array([0.0, 0.0, 1.0]) * (self.image * period)[:, None]
 
-    def scatter(
-        self, velocities: Float[Array, "pair 3"], targets: Float[Array, "group target 3"]
-    ) -> Float[Array, "group target 3"]:
-        """Sum of the pairs' velocities at each target, shaped as the targets."""
-        counted = jnp.where(self.valid[:, None], velocities, 0.0)
-        return jnp.zeros_like(targets).at[self.group, self.target].add(counted)
-
 
 def close_pairs(
     targets: Float[Array, "group target 3"],

@@ -23,7 +23,14 @@ from celltrain.stability.infinite import (
     infinite_train,
 )
 from celltrain.stability.linearise import linear_blocks
-from celltrain.stability.norms import NORMS, Norm, OrthonormalNorm, PaperNorm, SurfaceNorm
+from celltrain.stability.norms import (
+    NORMS,
+    Norm,
+    OrthonormalNorm,
+    PaperNorm,
+    SurfaceNorm,
+    paper_weights,
+)
 from celltrain.stability.pseudospectrum import (
     Kreiss,
     Pseudospectrum,
@@ -83,6 +90,7 @@ __all__ = [
     "normed_blocks",
     "numerical_abscissa",
     "optimal_disturbance",
+    "paper_weights",
     "propagator_norm",
     "pseudospectrum",
     "receptivity",

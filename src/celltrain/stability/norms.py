@@ -43,13 +43,21 @@ class OrthonormalNorm(Norm):
         return {m: np.eye(len(azimuthal_basis(degree, m))) for m in azimuthal_numbers}
 
 
+def paper_weights(degree: int) -> Float[np.ndarray, " coefficient"]:
+    """Square of the paper's coefficient over that of the orthonormal one, by coefficient.
+
+    The paper's Legendre functions have int P^2 sin(theta) dtheta = 1 and its cosines and sines are
+    bare, so its coefficients are s/sqrt(2 pi) for order 0 and s/sqrt(pi) otherwise.
+    """
+    _, order = degrees_and_orders(degree)
+    return np.where(order == 0, 0.5, 1.0) / np.pi
+
+
 @dataclass(frozen=True)
 class PaperNorm(Norm):
     """Eq. (8) of Bryngelson & Freund (2018): sum of squares of the paper's coefficients.
 
-    Its Legendre functions have int P^2 sin(theta) dtheta = 1 and its cosines and sines are bare, so
-    its coefficients are s/sqrt(2 pi) for order 0 and s/sqrt(pi) otherwise. The norm thus counts a
-    disturbance of order 0 half.
+    It counts a disturbance of order 0 half (see `paper_weights`).
     """
 
     name: str = "paper"
@@ -57,8 +65,7 @@ class PaperNorm(Norm):
     def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
         """Diagonal matrices."""
         degree = int(np.sqrt(shape.shape[-1]))
-        _, order = degrees_and_orders(degree)
-        weight = np.where(order == 0, 0.5, 1.0) / np.pi
+        weight = paper_weights(degree)
         grams = {}
         for m in azimuthal_numbers:
             basis = azimuthal_basis(degree, m)

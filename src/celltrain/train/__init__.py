@@ -1,6 +1,6 @@
 """A train of cells: from their shapes to the rates at which they change."""
 
-from celltrain.train.accuracy import rates_error, refined
+from celltrain.train.accuracy import rates_error
 from celltrain.train.axisymmetry import axisymmetric_basis, azimuthal_basis, azimuthal_families
 from celltrain.train.geometry import (
     area_vectors,
@@ -31,7 +31,6 @@ __all__ = [
     "meridian",
     "place_cells",
     "rates_error",
-    "refined",
     "resting_shapes",
     "streamwise_gap",
     "train_membrane",
