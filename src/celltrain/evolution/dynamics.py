@@ -59,7 +59,8 @@ class Dynamics(eqx.Module):
     """Rates of change of a train's shapes, relative to its steady flow.
 
     `base` are the shapes of the steady train, at rest in this frame; `weights` those of the paper's
-    norm. Displacements and distances are in r0, rates in U.
+    norm. Displacements and distances are in r0, rates in U. `wall_gap` is the smallest distance of
+    a cell from the wall for which the wall is resolved.
     """
 
     operator: TrainOperator
@@ -68,6 +69,7 @@ class Dynamics(eqx.Module):
     cell_velocity: Float[Array, ""]
     length: Float[Array, ""]
     volume: Float[Array, ""]
+    wall_gap: float = eqx.field(static=True)
 
     def rates(self, shapes: Shapes) -> Shapes:
         """ds/dt in the frame of the steady train, in U; not numbers for shapes that are none."""
@@ -104,15 +106,20 @@ class Dynamics(eqx.Module):
         moved = change @ np.asarray(self.operator.target_grid.values).T
         return float(np.sqrt(np.max(np.sum(moved**2, axis=1))))
 
+    def wall_distance(self, shapes: Shapes) -> float:
+        """Smallest distance of a membrane's point from the wall, in r0, negative beyond it."""
+        across = shapes[:, :2] @ np.asarray(self.operator.target_grid.values).T
+        return self.operator.tube.radius - float(np.sqrt(np.max(np.sum(across**2, axis=1))))
+
     def departure(self, shapes: Shapes) -> float:
         """Largest distance of a membrane's point from the steady train, of continuous shapes."""
         return self.displacement(shapes - np.asarray(self.base))
 
 
-def train_dynamics(base: Base) -> Dynamics:
+def train_dynamics(base: Base, *, wall_gap: float) -> Dynamics:
     """The dynamics of the N cells of a train about a steady state."""
     train = base.train
-    operator = train_operator(train, cells=train.cells, rings=False)
+    operator = train_operator(train, cells=train.cells, rings=False, gap=wall_gap)
     return Dynamics(
         operator=operator,
         base=jnp.asarray(place_cells(base.coefficients, train, train.cells)),
@@ -120,6 +127,7 @@ def train_dynamics(base: Base) -> Dynamics:
         cell_velocity=jnp.asarray(base.cell_velocity),
         length=jnp.asarray(train.length),
         volume=operator.membrane.volume(jnp.asarray(base.coefficients)),
+        wall_gap=wall_gap,
     )
 
 

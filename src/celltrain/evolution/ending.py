@@ -11,6 +11,7 @@ EndingKind = Literal[
     "not_finite",
     "step_too_small",
     "overlap",
+    "near_wall",
     "not_saved",
     "failed",
 ]
@@ -22,7 +23,8 @@ class Ending:
 
     "complete": the time asked for is reached; "steps": as many steps as asked for are taken;
     "interrupted": by the user; "not_finite": velocities are no numbers; "step_too_small"; "overlap"
-    of cells or of a cell and the wall; "not_saved": the file could not be written; "failed": the
+    of cells or of a cell and the wall; "near_wall": a cell so close to it that the wall cannot be
+    resolved; "not_saved": the file could not be written; "failed": the
     velocity could not be computed. All but the first can be gone on from, if the reason is gone.
     """
 

@@ -16,6 +16,7 @@ from celltrain.evolution.overlap import overlap
 from celltrain.evolution.quantities import STEP_QUANTITIES
 from celltrain.evolution.run import Run
 from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
+from celltrain.evolution.wall_resolution import LARGEST, followed
 from celltrain.parameters import CaseError
 from celltrain.stability import Stability
 from celltrain.steady import Base
@@ -60,7 +61,8 @@ def evolve(
     an interruption (Ctrl-C), an overlap, a file that can no longer be written, ...
 
     **Raises:** `CaseError` for a setting that is not allowed, cells that overlap from the
-    beginning, or a file that exists; `StepFailed` if the disturbed train has no velocity.
+    beginning, or a file that exists; `StepFailed` if the disturbed train has no velocity or is too
+    close to the wall.
     """
     check_positive("until", until)
     check_positive("every", every)
@@ -72,13 +74,17 @@ def evolve(
         )
     base = start.base if isinstance(start, Stability) else start
     change = disturbance.shapes(start)
-    dynamics = train_dynamics(base)
+    dynamics = train_dynamics(base, wall_gap=LARGEST)
     train = base.train
     method = RungeKuttaChebyshev() if integrator is None else integrator
     shapes = place_cells(base.coefficients, train, train.cells) + change
-    met = overlap(train, dynamics.settle(shapes).shapes)
+    settled = dynamics.settle(shapes)
+    met = overlap(train, settled.shapes)
     if met is not None:
         raise CaseError(f"{disturbance!r} is not allowed: {met}; a smaller amplitude may be")
+    wall_gap = followed(LARGEST, dynamics.wall_distance(settled.shapes))
+    if wall_gap != dynamics.wall_gap:
+        dynamics = train_dynamics(base, wall_gap=wall_gap)
     state, record = method.begin(dynamics, shapes)
     first = dynamics.continuous(state.shapes, state.laps) - np.asarray(dynamics.base)
     run = Run(
@@ -136,7 +142,7 @@ def resume(
         run = replace(run, until=float(until))
     march = March(
         run,
-        train_dynamics(run.base),
+        train_dynamics(run.base, wall_gap=run.state.wall_gap),
         _prediction(run.start, run.disturbances[0]),
         archive=_archive(path),
         save_seconds=save_seconds,

@@ -50,6 +50,7 @@ class Integrator(abc.ABC):
             steps=0,
             rejected=0,
             evaluations=1,
+            wall_gap=dynamics.wall_gap,
         )
         return state, record(state, settled, stages=0, error=0.0, radius=float("nan"))
 

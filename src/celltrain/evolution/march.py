@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from celltrain.diagnostics import frame
 from celltrain.evolution.archive import Archive
-from celltrain.evolution.dynamics import Dynamics
+from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.ending import Ending
 from celltrain.evolution.integrator import StepFailed
 from celltrain.evolution.interpolation import interpolated
@@ -18,6 +18,7 @@ from celltrain.evolution.linear import LinearPrediction
 from celltrain.evolution.overlap import overlap
 from celltrain.evolution.run import Run
 from celltrain.evolution.state import Record, State
+from celltrain.evolution.wall_resolution import followed
 
 # Overlaps are looked for after at least this time (r0/U): cells pass each other at about U.
 OVERLAP_INTERVAL = 0.1
@@ -110,6 +111,7 @@ class March:
                 return Ending("complete", f"t = {until:g} r0/U reached")
             if most_steps is not None and taken >= most_steps:
                 return Ending("steps", f"{taken} steps taken")
+            state = self._resolved(state)
             after, record = self._run.integrator.advance(self._dynamics, state)
             frames = self._due_frames(state, after)
             if after.time > until * (1.0 + SAME_TIME):
@@ -123,6 +125,17 @@ class March:
             met = self._overlap(state)
             self._save_if_due()
         return Ending("overlap", f"at t = {state.time:.6g} r0/U {met}")
+
+    def _resolved(self, state: State) -> State:
+        """The state, with the dynamics remade if the cells' distance from the wall asks for it.
+
+        It depends on the state alone, so that going on from it later gives the same.
+        """
+        distance = self._dynamics.wall_distance(state.shapes)
+        wall_gap = followed(state.wall_gap, distance)
+        if wall_gap != self._dynamics.wall_gap:
+            self._dynamics = train_dynamics(self._run.base, wall_gap=wall_gap)
+        return replace(state, wall_gap=wall_gap)
 
     def _last_time(self) -> float:
         return float(self._frames[self._committed[2] - 1]["time"])

@@ -88,6 +88,7 @@ def _quantities() -> dict[str, Attributes]:
         "steps": ((), "1", "steps so far"),
         "rejected": ((), "1", "steps rejected so far"),
         "evaluations": ((), "1", "evaluations of the velocity so far"),
+        "wall_gap": ((), "r0", "smallest distance of cells for which the wall is resolved"),
     }
     found |= {
         f"state_{name}": Attributes(dims, unit, "", f"state to go on from: {text}")

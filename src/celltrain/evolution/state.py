@@ -22,6 +22,7 @@ class State:
         radius_age: steps since it was estimated.
         direction: last direction of the power iteration.
         steps, rejected, evaluations: counts since the beginning.
+        wall_gap: smallest distance of a cell from the wall for which the wall was resolved, r0.
     """
 
     time: float
@@ -37,6 +38,7 @@ class State:
     steps: int
     rejected: int
     evaluations: int
+    wall_gap: float
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax_finufft import nufft2
 from jaxtyping import Array, Complex, Float, Int
-from scipy.special import ive
+from scipy.special import hyp0f1, ive
 
 from celltrain.runtime import NUFFT_OPTIONS
 
@@ -29,6 +29,26 @@ Cylindrical = tuple[Array, Array, Array]
 
 # Points across a strip along the tube.
 STRIP = 8
+# Bessel functions of the wall's modes below this are not formed: they would underflow.
+LEAST_BESSEL = 1e-200
+
+
+def _bessel_ratios(
+    order: int, wave: float, radius: float, r: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """I_n(k r)/I_m(k R) for n = m - 1, m, m + 1, free of overflow and underflow."""
+    neighbours = (abs(order - 1), order, order + 1)
+    if order == 0 or ive(order + 1, wave * radius) > LEAST_BESSEL:
+        scale = np.exp(wave * (r - radius)) / ive(order, wave * radius)
+        below, value, above = (ive(n, wave * r) * scale for n in neighbours)
+        return below, value, above
+    # I_n(x) = (x/2)^n/n! 0F1(n + 1; x^2/4), of which the power underflows.
+    half = 0.5 * wave
+    series = [hyp0f1(n + 1.0, (half * r) ** 2) * (r / radius) ** n for n in neighbours]
+    whole = hyp0f1(order + 1.0, (half * radius) ** 2)
+    powers = (order / (half * radius), 1.0, half * radius / (order + 1.0))
+    below, value, above = (power * each / whole for power, each in zip(powers, series, strict=True))
+    return below, value, above
 
 
 def _axial_response(m: int, k: float, radius: float, nodes: np.ndarray) -> np.ndarray:
@@ -38,11 +58,8 @@ def _axial_response(m: int, k: float, radius: float, nodes: np.ndarray) -> np.nd
     """
     order, wave = abs(m), abs(k)
     r = np.append(nodes, radius)
-    # I_m(|k| r)/I_m(|k| R), free of overflow.
-    scale = np.exp(wave * (r - radius)) / ive(order, wave * radius)
-    value = ive(order, wave * r) * scale
-    below = ive(order - 1, wave * r) if order else ive(1, wave * r)
-    slope = 0.5 * wave * (below + ive(order + 1, wave * r)) * scale
+    below, value, above = _bessel_ratios(order, wave, radius, r)
+    slope = 0.5 * wave * (below + above)
     second = (wave**2 + (order / r) ** 2) * value - slope / r
     columns = np.stack(
         [

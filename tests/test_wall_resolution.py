@@ -1,0 +1,84 @@
+"""A simulation resolves the wall as finely as the cells' distance from it asks for."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from celltrain import Base, CaseError
+from celltrain.evolution import FromFile, StepFailed, evolve, resume
+from celltrain.evolution.dynamics import UNIT_DISPLACEMENT, train_dynamics
+from celltrain.evolution.wall_resolution import LARGEST, SMALLEST, followed
+from celltrain.flow import wall
+from celltrain.flow.wall import _axial_response, _bessel_ratios
+
+
+def test_what_is_served_is_never_above_the_distance() -> None:
+    served = LARGEST
+    for distance in (2.0, 0.79, 0.41, 0.3, 0.15, 0.11):
+        served = followed(served, distance)
+        assert SMALLEST <= served <= distance
+    assert served == SMALLEST
+    # Back only well beyond the next one, so that no cell makes it change to and fro.
+    assert followed(0.2, 0.59) == 0.2
+    assert followed(0.2, 0.61) == 0.4
+    assert followed(0.2, 3.0) == LARGEST
+
+
+@pytest.mark.parametrize("distance", [0.09, -0.1, float("nan")])
+def test_a_cell_at_the_wall_ends_a_simulation(distance: float) -> None:
+    with pytest.raises(StepFailed, match="from the wall"):
+        followed(LARGEST, distance)
+
+
+def test_modes_of_any_order_are_finite_and_take_their_values_at_the_wall() -> None:
+    # Bessel functions of order 400 at 0.6 are below the smallest number.
+    for m, wave in ((0, 0.2), (1, 0.2), (90, 0.2), (400, 0.2), (400, 20.0)):
+        response = _axial_response(m, wave, 3.0, np.array([0.5, 1.0, 2.9, 3.0]))
+        assert np.isfinite(response).all()
+        assert_allclose(response[:, :, -1], np.eye(3), atol=1e-8)
+    # Either way to the ratios of Bessel functions gives the same.
+    r = np.array([0.3, 1.5, 3.0])
+    direct = _bessel_ratios(60, 0.5, 3.0, r)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(wall, "LEAST_BESSEL", np.inf)
+        assert_allclose(_bessel_ratios(60, 0.5, 3.0, r), direct, rtol=1e-11)
+
+
+@pytest.fixture(scope="module")
+def single(coarse_base: Base) -> Base:
+    return replace(coarse_base, train=coarse_base.train.changed(cells=1))
+
+
+def moved_to(distance: float, base: Base, path: Path) -> FromFile:
+    """The steady train's cell moved sideways, to a distance from the wall."""
+    change = np.zeros((1, *base.coefficients.shape))
+    dynamics = train_dynamics(base, wall_gap=LARGEST)
+    aside = dynamics.wall_distance(np.asarray(dynamics.base)) - distance
+    change[0, 0, 0] = aside * UNIT_DISPLACEMENT
+    np.save(path, change)
+    return FromFile(path)
+
+
+def test_a_cell_near_the_wall_refines_it(single: Base, tmp_path: Path) -> None:
+    disturbance = moved_to(0.35, single, tmp_path / "moved.npy")
+    path = tmp_path / "run.nc"
+    run = evolve(single, disturbance, until=1.0, most_steps=1, path=path)
+    assert run.state.wall_gap == 0.2
+    assert run.frames["wall_distance"][0] == pytest.approx(0.35, abs=0.02)
+    assert resume(path, most_steps=1).state.wall_gap == 0.2
+    # Refined further nothing changes; a wall for cells on the axis gives something else.
+    shapes = run.shapes[0]
+    served, finer, coarse = (
+        train_dynamics(single, wall_gap=gap).rates(shapes) for gap in (0.2, 0.15, 1.6)
+    )
+    size = np.linalg.norm(finer)
+    assert np.linalg.norm(served - finer) < 1e-6 * size
+    assert np.linalg.norm(coarse - finer) > 1e-5 * size
+
+
+def test_a_disturbance_that_touches_the_wall_is_refused(single: Base, tmp_path: Path) -> None:
+    with pytest.raises((CaseError, StepFailed), match="wall"):
+        evolve(single, moved_to(0.05, single, tmp_path / "moved.npy"), until=1.0)
