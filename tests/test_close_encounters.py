@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 
 from celltrain import Train
 from celltrain.flow.overlaps import overlaps
+from celltrain.harmonics import degrees_and_orders
 from celltrain.train import TrainOperator, rates_error, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2
@@ -140,6 +141,12 @@ def test_any_configuration(operator: TrainOperator, seed: int, ratio: float) -> 
     matrix = turn(np.array([0.0, 0.0, 1.0]), 0.7)
     turned = rates(this, jnp.asarray(matrix @ shapes))
     assert_allclose(turned, matrix @ found, rtol=0, atol=2e-5 * size)
+    # Mirrored, in longitude, too, so that the outside stays outside.
+    _, order = degrees_and_orders(DEGREE)
+    mirror = np.diag([1.0, -1.0, 1.0])
+    sign = np.where(order < 0, -1.0, 1.0)
+    mirrored = rates(this, jnp.asarray(mirror @ shapes * sign))
+    assert_allclose(mirrored, mirror @ found * sign, rtol=0, atol=2e-5 * size)
     # Moved along it, beyond the period's end.
     moved = shapes.copy()
     moved[:, 2, 0] += 0.4 * TRAIN.length * CENTRE

@@ -31,6 +31,7 @@ def test_solution_residual_and_count() -> None:
         solution, convergence = solve(tolerance)
         residual = np.linalg.norm(matrix @ solution.ravel() - right) / np.linalg.norm(right)
         assert 1e-3 * tolerance < residual < tolerance
+        # The residual of the recurrence is the true one.
         assert_allclose(convergence.residual, residual, rtol=1e-2)
         counts.append(int(convergence.iterations))
     assert counts[0] < counts[1] < counts[2] <= 40

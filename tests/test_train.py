@@ -177,6 +177,15 @@ def test_copies_of_a_cell_move_as_it_does_alone_in_its_period(
     assert_allclose(together, np.repeat(alone, CELLS, axis=0), rtol=0, atol=2e-8)
 
 
+def test_shapes_that_are_no_numbers_have_rates_that_are_none(
+    skewed: np.ndarray, any_shapes: TrainOperator, rates: Rates
+) -> None:
+    for wrong in (np.nan, np.inf):
+        shapes = skewed.copy()
+        shapes[0, 1, 2] = wrong
+        assert np.isnan(rates(any_shapes, shapes)).all()
+
+
 def test_volume_is_conserved_exactly(
     skewed: np.ndarray, any_shapes: TrainOperator, rates: Rates
 ) -> None:

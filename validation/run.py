@@ -12,6 +12,11 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+# Before JAX, which it sets up.
+import celltrain  # noqa: F401
+
+# isort: split
+import accuracy
 import convergence
 import packing
 import reference
@@ -36,6 +41,7 @@ def main() -> None:
         "convergence": lambda _: convergence.study(),
         "packing": lambda _: packing.study(),
         "viscosity": lambda _: viscosity.study(),
+        "accuracy": lambda _: accuracy.study(),
     }
     parser.add_argument("studies", nargs="*", metavar="STUDY", help=", ".join(studies))
     options = parser.parse_args()

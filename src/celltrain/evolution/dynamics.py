@@ -73,9 +73,6 @@ class Dynamics(eqx.Module):
 
     def rates(self, shapes: Shapes) -> Shapes:
         """ds/dt in the frame of the steady train, in U; not numbers for shapes that are none."""
-        if not np.isfinite(shapes).all():
-            # The nonuniform Fourier transform ends the process when it meets such points.
-            return np.full_like(shapes, np.nan)
         return np.asarray(_rates(self, jnp.asarray(shapes)))
 
     def tube_rates(self, rates: Shapes) -> Shapes:

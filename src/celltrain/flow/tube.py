@@ -100,7 +100,7 @@ class PeriodicTube(eqx.Module):
         wall_points = self.wall.points()
         groups = targets.shape[:3]
         ring_shape = (-1, groups[2], 3)
-        flat_targets = targets.reshape(ring_shape)
+        flat_targets = _numbers(targets).reshape(ring_shape)
         far, at_wall = self.transform.synthesise(
             [flat_targets, wall_points], self._far_modes(sources)
         )
@@ -115,6 +115,7 @@ class PeriodicTube(eqx.Module):
         else:
             reflected = self.wall.at_points(flat_targets, regular)
         total = near.reshape(targets.shape) + (far - reflected).reshape(targets.shape)
+        total = jnp.where(jnp.isfinite(targets), total, jnp.nan)
         square = jnp.sum(targets[..., :2] ** 2, axis=-1)
         profile = 2.0 * (1.0 - square / self.radius**2)
         driven = profile * (float(mean_flow) - self.extra_flux(sources))
@@ -124,7 +125,7 @@ class PeriodicTube(eqx.Module):
 
     def _far_modes(self, sources: Sources) -> Array:
         """Far velocity [3, *mode]."""
-        points = sources.points.reshape(-1, *sources.points.shape[2:])
+        points = _numbers(sources.points).reshape(-1, *sources.points.shape[2:])
         parts = [each for each in (sources.forces, sources.stresslets) if each is not None]
         strengths = jnp.concatenate(parts, axis=-1).reshape(*points.shape[:2], -1)
         modes = tuple(self.transform.analyse(points, strengths))
@@ -187,6 +188,11 @@ class PeriodicTube(eqx.Module):
         turn = self.wall.shift * self.wall.period
         phases = jnp.exp(1j * turn * jnp.arange(-self.images, self.images + 1))
         return jnp.einsum("p,pgtc->gtc", phases, by_image)
+
+
+def _numbers(points: Array) -> Array:
+    """Points with 0 for what is no number: FINUFFT would end the process when it meets that."""
+    return jnp.where(jnp.isfinite(points), points, 0.0)
 
 
 def periodic_tube(
