@@ -187,7 +187,7 @@ STAGES: dict[str, Callable[[], Work]] = {
 }
 
 
-def _peak_mib() -> float:
+def peak_mib() -> float:
     """Largest resident memory of this process since the last reset, MiB."""
     for line in Path("/proc/self/status").read_text().splitlines():
         if line.startswith("VmHWM:"):
@@ -195,7 +195,7 @@ def _peak_mib() -> float:
     return float("nan")
 
 
-def _reset_peak() -> None:
+def reset_peak() -> None:
     """Let the largest resident memory start again from what is resident now."""
     # Where the kernel refuses, the peak is that of the whole process: an upper bound.
     with contextlib.suppress(OSError):
@@ -204,7 +204,7 @@ def _reset_peak() -> None:
 
 def measure(work: Work, runs: int) -> dict[str, float]:
     """Seconds and memory of `runs` runs after a first one."""
-    _reset_peak()
+    reset_peak()
     begin = time.perf_counter()
     jax.block_until_ready(work())
     first = time.perf_counter() - begin
@@ -217,7 +217,7 @@ def measure(work: Work, runs: int) -> dict[str, float]:
     return {
         "seconds": median,
         "first_seconds": max(first - median, 0.0),
-        "peak_mib": _peak_mib(),
+        "peak_mib": peak_mib(),
     }
 
 

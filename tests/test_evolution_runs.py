@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import platform
 import signal
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from celltrain import Base, CaseError, Stability, load, save
 from celltrain.cli import main
-from celltrain.diagnostics import FRAME_QUANTITIES, disturbance_amplitude
+from celltrain.diagnostics import FRAME_QUANTITIES, disturbance_amplitude, frame
 from celltrain.evolution import (
     ForwardEuler,
     FromFile,
@@ -25,13 +26,15 @@ from celltrain.evolution import (
     Run,
     RungeKuttaChebyshev,
     Status,
-    archive,
     evolve,
     march,
     resume,
 )
 from celltrain.evolution.dynamics import Dynamics
 from celltrain.evolution.quantities import RUN_QUANTITIES
+from celltrain.evolution.recompute import frame_rates, pressure_drops
+from celltrain.results import remove_leftovers
+from celltrain.train import place_cells
 
 DISTURBANCE = RandomDisplacement(0.2, seed=2)
 
@@ -133,6 +136,25 @@ def test_a_file_holds_everything(whole: Run, whole_path: Path) -> None:
     assert_allclose(whole.frames["eps"][0], whole.history["eps"][0], rtol=1e-12)
 
 
+def test_rates_of_frames_are_those_that_were_recorded(whole: Run) -> None:
+    rates = frame_rates(whole)
+    for number, shapes in enumerate(whole.shapes):
+        measured = frame(whole.train, shapes, rates[number])
+        for name in ("centroid_velocity", "rotation_rate", "tank_treading"):
+            assert_allclose(measured[name], whole.frames[name][number], rtol=0, atol=1e-9)
+
+
+def test_pressure_drop_of_frames(whole: Run) -> None:
+    base, train = whole.base, whole.train
+    drops = pressure_drops(whole)
+    assert drops.shape == whole.times.shape
+    # A cell off the axis costs another pressure.
+    assert np.abs(drops - base.effective_viscosity).max() > 1e-5
+    steady = np.stack([place_cells(base.coefficients, train, train.cells)] * len(whole.times))
+    calm = replace(whole, shapes=steady)
+    assert_allclose(pressure_drops(calm), base.effective_viscosity, rtol=0, atol=1e-6)
+
+
 def test_a_disturbance_from_the_file_of_a_run(whole: Run, whole_path: Path) -> None:
     assert_array_equal(FromFile(whole_path).shapes(whole.start), whole.disturbances[-1])
 
@@ -163,7 +185,7 @@ def test_a_full_disk_ends_a_run_with_the_last_file_left(
         if len(calls) > 6:
             raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(archive, "_flush", full)
+    monkeypatch.setattr("celltrain.results.replace._flush", full)
     run = evolve(
         single,
         DISTURBANCE,
@@ -273,11 +295,11 @@ def test_leftovers_of_dead_processes_are_removed(tmp_path: Path) -> None:
     path = tmp_path / "run.nc"
     process = subprocess.Popen([sys.executable, "-c", ""])
     process.wait()
-    dead = tmp_path / f".run.nc.{process.pid}.part"
-    alive = tmp_path / f".run.nc.{os.getppid()}.part"
+    dead = tmp_path / f".run.nc.{platform.node()}.{process.pid}.part"
+    alive = tmp_path / f".run.nc.{platform.node()}.{os.getppid()}.part"
     for each in (dead, alive):
         each.write_text("")
-    archive.remove_leftovers(path)
+    remove_leftovers(path)
     assert not dead.exists()
     assert alive.exists()
 

@@ -118,6 +118,14 @@ def test_waves_go_to_uniform_disturbances(coarse_base: Base) -> None:
         assert_allclose(double / small, 2.0, rtol=0.05)
 
 
+def test_long_waves_lose_no_digits(coarse_base: Base) -> None:
+    waves = np.array([1e-5, 1e-3, 1e-2])
+    distances = distance_to_uniform(coarse_base, waves.tolist(), NUMBERS)
+    for m in (1, 2, 3):
+        slopes = distances[m] / waves
+        assert_allclose(slopes, slopes[-1], rtol=2e-3)
+
+
 def test_what_is_refused(coarse_base: Base) -> None:
     for waves, words in (
         ([0.0, 4.0], "wave_numbers = 4"),

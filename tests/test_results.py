@@ -96,7 +96,11 @@ def test_every_field_of_a_result_is_written(make_stability: Callable[..., Stabil
     for field in fields(Base):
         if field.name not in in_attributes:
             assert renamed.get(field.name, field.name) in written
-    renamed = {"modes": "mode_growth_rate", "transient": "transient_vector"}
+    renamed = {
+        "modes": "mode_growth_rate",
+        "transient": "transient_vector",
+        "error_bars": "bar_mode",
+    }
     for field in fields(Stability):
         if field.name != "base":
             assert renamed.get(field.name, field.name) in written

@@ -1,9 +1,11 @@
 """The numbers that the documentation quotes, computed anew.
 
     python validation/run.py [STUDY ...] [--reference FOLDER]
+    python validation/run.py breakup --simulate NAME
 
 Every study writes a page and a figure into docs/validation and states what is expected. Without
-names all of them run, which takes about half an hour on two cores.
+names all of them run, which takes about half an hour on two cores, but for those that take hours:
+`breakup` runs when it is named.
 """
 
 import argparse
@@ -17,7 +19,9 @@ import celltrain  # noqa: F401
 
 # isort: split
 import accuracy
+import breakup
 import convergence
+import mechanisms
 import packing
 import reference
 import sphere
@@ -25,6 +29,8 @@ import viscosity
 
 HERE = Path(__file__).resolve().parent
 REFERENCE = HERE.parents[1] / "shared" / "reference"
+# Studies that only run when they are named.
+ON_REQUEST = ("breakup",)
 
 
 def main() -> None:
@@ -42,13 +48,20 @@ def main() -> None:
         "packing": lambda _: packing.study(),
         "viscosity": lambda _: viscosity.study(),
         "accuracy": lambda _: accuracy.study(),
+        "mechanisms": lambda _: mechanisms.study(),
+        "breakup": lambda options: breakup.study(
+            options.runs, options.simulate, dict(options.take)
+        ),
     }
     parser.add_argument("studies", nargs="*", metavar="STUDY", help=", ".join(studies))
+    breakup.add_arguments(parser)
     options = parser.parse_args()
     unknown = [name for name in options.studies if name not in studies]
     if unknown:
         parser.error(f"no such study: {', '.join(unknown)}; there are {', '.join(studies)}")
-    chosen = options.studies or list(studies)
+    if (options.simulate or options.take) and options.studies != ["breakup"]:
+        parser.error("--simulate and --take are for the study breakup alone")
+    chosen = options.studies or [name for name in studies if name not in ON_REQUEST]
     if len(chosen) == 1:
         studies[chosen[0]](options)
         return

@@ -38,6 +38,16 @@ def _configure() -> None:
 
 _configure()
 
+#: Environment of a process that computes in one thread, beside others that do the same.
+ONE_THREAD = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "CELLTRAIN_NUFFT_THREADS": "1",
+    # XLA's own pool.
+    "NPROC": "1",
+}
+
 NUFFT_OPTIONS = Opts(nthreads=int(os.environ.get("CELLTRAIN_NUFFT_THREADS", "1")))
 
 

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+import xarray as xr
 from rich.console import Console
 
 from celltrain.cli.compute import Request, describe_failure, read_start, read_train
 from celltrain.cli.outputs import check_folder, check_output
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import Train, read_case
+from celltrain.results import replace_file
 from celltrain.steady import Base, NotConverged, steady
 
 Result = TypeVar("Result")
@@ -67,3 +69,12 @@ def analyse(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Resu
     else:
         analysis.report(result, Console())
     return 0
+
+
+def save_dataset(data: xr.Dataset, path: Path) -> None:
+    """Write a data set as netCDF; a file that cannot be written leaves the old one as it was.
+
+    Raises:
+        OSError: if the file cannot be written.
+    """
+    replace_file(path, lambda part: data.to_netcdf(part, engine="h5netcdf"))

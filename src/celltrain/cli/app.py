@@ -1,7 +1,8 @@
 """The commands and their options, and what the exit status says.
 
 0: done; 2: bad input, with a message and nothing written; 3: the steady train did not converge,
-with its history, the last state saved; 130: interrupted.
+with its history, the last state saved, or cases of a study failed; 4: the workers of a study were
+lost; 130: interrupted.
 """
 
 import sys
@@ -14,14 +15,21 @@ from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
 from celltrain.cli.arguments import CaseFile, Json, Numbers, Plot, Quiet, Start
+from celltrain.cli.branch import branch
 from celltrain.cli.compute import Request, run
 from celltrain.cli.evolve import evolve
 from celltrain.cli.infinite import infinite
-from celltrain.cli.options import CaseOptions, given_leaves
+from celltrain.cli.options import CaseOptions, given_leaves, reader
+from celltrain.cli.paper import paper
+from celltrain.cli.plot import plot as plot_
+from celltrain.cli.sensitivity import sensitivity
+from celltrain.cli.sweep import sweep
 from celltrain.cli.transient import transient
 from celltrain.parameters import CaseError, merge_case, read_case
+from celltrain.study import WorkersLost
 
 BAD_INPUT = 2
+WORKERS_LOST = 4
 INTERRUPTED = 130
 
 app = App(
@@ -36,6 +44,14 @@ Output = Annotated[
     Path | None,
     Parameter(name=("--output", "-o"), help="netCDF file for the result; replaced if it exists."),
 ]
+ErrorBars = Annotated[
+    int | None,
+    Parameter(
+        converter=reader(int, "allowed: whole numbers >= 1"),
+        help="Give this many leading growth rates an error bar, from four degrees more and from"
+        " finer grids: about eight times the work.",
+    ),
+]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -49,14 +65,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (CaseError, CycloptsError) as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
         return BAD_INPUT
-    except KeyboardInterrupt:
-        errors.print("celltrain: interrupted; nothing was saved", markup=False)
+    except WorkersLost as error:
+        errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
+        return WORKERS_LOST
+    except KeyboardInterrupt as interruption:
+        kept = str(interruption) or "nothing was saved"
+        errors.print(f"celltrain: interrupted; {kept}", markup=False, soft_wrap=True)
         return INTERRUPTED
     return status or 0
 
 
+app.command(branch)
 app.command(evolve)
 app.command(infinite)
+app.command(plot_, name="plot")
+app.command(sensitivity)
+app.command(paper)
+app.command(sweep)
 app.command(transient)
 
 
@@ -67,6 +92,7 @@ def stability(
     *,
     options: CaseOptions = None,
     azimuthal_numbers: Numbers = None,
+    error_bars: ErrorBars = None,
     start: Start = None,
     output: Output = None,
     plot: Plot = None,
@@ -75,7 +101,13 @@ def stability(
 ) -> int:
     """Compute the steady train and its linear stability: growth rates, modes, transient growth."""
     request = Request(case, start, output, plot, json, quiet)
-    return run(request, given_leaves(options), stable=True, azimuthal_numbers=azimuthal_numbers)
+    return run(
+        request,
+        given_leaves(options),
+        stable=True,
+        azimuthal_numbers=azimuthal_numbers,
+        error_bars=error_bars,
+    )
 
 
 @app.command

@@ -17,7 +17,13 @@ from celltrain.cli.progress import Reporter
 from celltrain.parameters import CaseError, Train, merge_case, read_case
 from celltrain.pictures import plot_all
 from celltrain.results import load, print_report, save, summary
-from celltrain.stability import Stability, check_linearisable, stability
+from celltrain.stability import (
+    Stability,
+    check_count,
+    check_linearisable,
+    stability,
+    with_error_bars,
+)
 from celltrain.steady import Base, Iteration, NotConverged, steady
 
 #: Exit status of a computation that did not converge.
@@ -42,6 +48,7 @@ def run(
     *,
     stable: bool,
     azimuthal_numbers: Sequence[int] | None = None,
+    error_bars: int | None = None,
 ) -> int:
     """Compute the steady train, and its stability if ``stable``; return the exit status.
 
@@ -53,6 +60,8 @@ def run(
     train = read_train(case, start, leaves)
     if stable:
         check_linearisable(train, azimuthal_numbers)
+        if error_bars is not None:
+            check_count(error_bars)
     if request.output:
         check_output(request.output)
     if request.plot:
@@ -71,7 +80,15 @@ def run(
             return describe_failure(failure, errors, request.output)
         result: Base | Stability = base
         if stable:
-            result = stability(base, azimuthal_numbers=azimuthal_numbers, progress=reporter.share)
+            result = stability(
+                base,
+                azimuthal_numbers=azimuthal_numbers,
+                estimate_error=error_bars is None,
+                progress=reporter.share,
+            )
+            if error_bars is not None:
+                reporter.log("error bars: four degrees more, then finer grids")
+                result = with_error_bars(result, count=error_bars)
         _keep(result, request, reporter)
     _show(result, as_json=request.json)
     return 0

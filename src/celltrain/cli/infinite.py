@@ -1,6 +1,5 @@
 """The command for trains without end: ``celltrain infinite``."""
 
-import os
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,7 +8,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
-from celltrain.cli.analyses import Analysis, analyse
+from celltrain.cli.analyses import Analysis, analyse, save_dataset
 from celltrain.cli.arguments import CaseFile, Json, Numbers, Plot, Quiet, Start
 from celltrain.cli.compute import Request
 from celltrain.cli.options import CaseOptions, given_leaves, reader
@@ -77,14 +76,7 @@ def infinite(
 
 
 def _save(result: InfiniteTrain, path: Path) -> None:
-    """Write beside the final place and move: a failure leaves nothing half-written."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        result.to_dataset().to_netcdf(part, engine="h5netcdf")
-        os.replace(part, path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
+    save_dataset(result.to_dataset(), path)
 
 
 def infinite_summary(result: InfiniteTrain) -> dict[str, Any]:

@@ -9,29 +9,33 @@ from celltrain.parameters import CaseError
 DEFAULT_LAST = Path("celltrain-last.nc")
 
 
-def check_output(path: Path) -> None:
+def check_output(path: Path, name: str = "output") -> None:
     """See to it that a result can be saved as ``path``; an existing file is left as it is.
+
+    ``name`` is that of the option in messages.
 
     Raises:
         CaseError: if the path is no ordinary file or its folder is not there or not writable.
     """
     if path.exists() and not path.is_file():
-        raise CaseError(f"output = {str(path)!r} is not allowed: it exists and is no regular file")
+        raise CaseError(f"{name} = {str(path)!r} is not allowed: it exists and is no regular file")
     folder = path.absolute().parent
     if not folder.is_dir():
-        raise CaseError(f"output = {str(path)!r} cannot be written: {str(folder)!r} is no folder")
+        raise CaseError(f"{name} = {str(path)!r} cannot be written: {str(folder)!r} is no folder")
     try:  # the permission bits alone do not tell (read-only file systems, access lists)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
         raise CaseError(
-            f"output = {str(path)!r} cannot be written: {error.strerror}; allowed: a file in a"
+            f"{name} = {str(path)!r} cannot be written: {error.strerror}; allowed: a file in a"
             " folder that is writable"
         ) from None
 
 
-def check_folder(path: Path) -> None:
-    """Make the folder for pictures, and see to it that it can be written to.
+def check_folder(path: Path, name: str = "plot") -> None:
+    """Make a folder for pictures or other files, and see to it that it can be written to.
+
+    ``name`` is that of the option in messages.
 
     Raises:
         CaseError: if it cannot be created or not be written to.
@@ -42,7 +46,7 @@ def check_folder(path: Path) -> None:
             pass
     except OSError as error:
         raise CaseError(
-            f"plot = {str(path)!r} cannot be used: {error.strerror}; allowed: a folder that is"
+            f"{name} = {str(path)!r} cannot be used: {error.strerror}; allowed: a folder that is"
             " writable or can be created"
         ) from None
 

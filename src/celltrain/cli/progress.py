@@ -1,4 +1,4 @@
-"""Progress on standard error: a bar for the linearisation, a running line for the base flow."""
+"""Progress on standard error: bars for what has parts, a running line for the base flow."""
 
 from types import TracebackType
 from typing import Protocol, Self
@@ -31,6 +31,7 @@ class Reporter:
         self._live = console.is_terminal
         self._iterations = 0
         self._tenths = 0
+        self._title = ""
         self._progress = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}"),
@@ -72,14 +73,20 @@ class Reporter:
 
     def share(self, done: int, total: int) -> None:
         """Take how much of the linearisation is done."""
+        self.part("linear dynamics", done, total)
+
+    def part(self, title: str, done: int, total: int) -> None:
+        """Take how much of something is done."""
+        if title != self._title:
+            self._title, self._tenths = title, 0
         if self._live:
             self._progress.update(
                 self._task,
-                description="linear dynamics",
+                description=title,
                 completed=done,
                 total=total,
                 note=f"{done}/{total}",
             )
         elif total and 10 * done // total > self._tenths:
             self._tenths = 10 * done // total
-            self.log(f"linear dynamics: {done} of {total}")
+            self.log(f"{title}: {done} of {total}")

@@ -10,6 +10,12 @@ from celltrain.diagnostics.moments import CellMoments, cell_moments
 from celltrain.diagnostics.quantities import FRAME_QUANTITIES, FrameQuantity
 from celltrain.diagnostics.rotation import CellMotion, cell_motion
 from celltrain.diagnostics.spectrum import deformation_spectrum, disturbance_amplitude
+from celltrain.diagnostics.streamlines import (
+    MeridionalFlow,
+    Recirculation,
+    meridional_flow,
+    recirculation,
+)
 from celltrain.diagnostics.tension import isotropic_tension
 
 __all__ = [
@@ -19,7 +25,9 @@ __all__ = [
     "CellMotion",
     "Ellipsoid",
     "FrameQuantity",
+    "MeridionalFlow",
     "ModeMotion",
+    "Recirculation",
     "SurfaceFields",
     "best_ellipsoid",
     "cell_distance",
@@ -30,8 +38,10 @@ __all__ = [
     "energy_parts",
     "frame",
     "isotropic_tension",
+    "meridional_flow",
     "mode_motion",
     "perturbation_energy",
+    "recirculation",
     "surface_fields",
     "wall_distance",
 ]

@@ -72,9 +72,8 @@ def perturbation_energy(
     order the cells' energies add up to nothing unless the disturbance is axisymmetric and alike in
     all cells; then W depends on its sign. Otherwise W is proportional to eps.
 
-    What Table I is in is open. "6e-18 J" for W = 2.4 means mu U* r0^2, U* = U/10 as for the rates
-    (see `parameters.units`). In that unit, at M = 12, its numbers are 0.4 to 2.3 times the sum over
-    the eight cells, 3 to 18 times their average.
+    Table I is read best as the sum over the N cells in mu U* r0^2, U* = U/10 as for the rates (see
+    `parameters.units` and the validation page on mechanisms): W times 10 N.
 
     **Arguments:**
 

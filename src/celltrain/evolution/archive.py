@@ -1,17 +1,14 @@
 """A simulation's file: one netCDF-4 file that is whole at every moment.
 
-The file is never changed in place. Everything that is known, the state to go on from included, is
-written to a temporary file in the same folder, flushed to the disk (fsync), and moved over the old
-file by one atomic rename; so whoever opens it, also after a kill or a crash at any moment, finds
-the complete file of this save or of the one before. The price is that each save writes all frames
-again (27 kB for each frame of eight cells at degree 12), which `evolve` bounds by saving less often
-as saving takes longer.
+The file is never changed in place: everything that is known, the state to go on from included,
+replaces it at once (see `results.replace`). The price is that each save writes all frames again
+(27 kB for each frame of eight cells at degree 12), which `evolve` bounds by saving less often as
+saving takes longer.
 
 The file is also a result file: `celltrain.load` gives the steady train or its stability.
 """
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +21,7 @@ from celltrain.evolution.quantities import RUN_QUANTITIES, STEP_QUANTITIES
 from celltrain.evolution.run import Run
 from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
 from celltrain.evolution.state import State
-from celltrain.results import dataset, load
+from celltrain.results import dataset, load, replace_file
 
 INTEGRATORS: dict[str, type[Integrator]] = {
     method.__name__: method for method in (RungeKuttaChebyshev, ForwardEuler)
@@ -38,7 +35,6 @@ class Archive:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._part = path.with_name(f".{path.name}.{os.getpid()}.part")
         self._of_start: tuple[object, xr.Dataset] | None = None
 
     def save(self, run: Run) -> None:
@@ -48,47 +44,17 @@ class Archive:
         """
         data = self._start(run).assign(_variables(run)).assign_attrs(_header(run))
         encoding = {name: {"_FillValue": None} for name in data.variables}
-        try:
-            data.to_netcdf(self._part, engine="h5netcdf", encoding=encoding)
-            _flush(self._part)
-            os.replace(self._part, self._path)
-            _flush(self._path.absolute().parent)
-        except BaseException:
-            self._part.unlink(missing_ok=True)
-            raise
+
+        def write(part: Path) -> None:
+            data.to_netcdf(part, engine="h5netcdf", encoding=encoding)
+
+        replace_file(self._path, write)
 
     def _start(self, run: Run) -> xr.Dataset:
         """The part of the file that stays the same."""
         if self._of_start is None or self._of_start[0] is not run.start:
             self._of_start = (run.start, dataset(run.start))
         return self._of_start[1]
-
-
-def remove_leftovers(path: Path) -> None:
-    """Remove temporary files of this file that killed processes left behind."""
-    for part in path.absolute().parent.glob(f".{path.name}.*.part"):
-        number = part.name.split(".")[-2]
-        if number.isdigit() and not _alive(int(number)):
-            part.unlink(missing_ok=True)
-
-
-def _alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        return True
-    return process != os.getpid()
-
-
-def _flush(path: Path) -> None:
-    """Wait until a file, or a folder's list of names, is on the disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 def _header(run: Run) -> dict[str, Any]:

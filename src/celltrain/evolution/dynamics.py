@@ -106,7 +106,7 @@ class Dynamics(eqx.Module):
     def wall_distance(self, shapes: Shapes) -> float:
         """Smallest distance of a membrane's point from the wall, in r0, negative beyond it."""
         across = shapes[:, :2] @ np.asarray(self.operator.target_grid.values).T
-        return self.operator.tube.radius - float(np.sqrt(np.max(np.sum(across**2, axis=1))))
+        return float(self.operator.tube.radius - np.sqrt(np.max(np.sum(across**2, axis=1))))
 
     def departure(self, shapes: Shapes) -> float:
         """Largest distance of a membrane's point from the steady train, of continuous shapes."""

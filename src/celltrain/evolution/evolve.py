@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from celltrain.evolution.archive import Archive, load_run, remove_leftovers
+from celltrain.evolution.archive import Archive, load_run
 from celltrain.evolution.disturbances import Disturbance
 from celltrain.evolution.dynamics import train_dynamics
 from celltrain.evolution.ending import Ending
@@ -18,6 +18,7 @@ from celltrain.evolution.run import Run
 from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
 from celltrain.evolution.wall_resolution import LARGEST, followed
 from celltrain.parameters import CaseError
+from celltrain.results import remove_leftovers
 from celltrain.stability import Stability
 from celltrain.steady import Base
 from celltrain.train import place_cells

@@ -6,7 +6,7 @@
     G_far  = (8 pi/V) sum_{k != 0} (1 + k^2/4 xi^2) exp(-k^2/4 xi^2) (k^2 I - k k)/k^4 exp(i k.d).
 
 Their sum does not depend on xi (Hasimoto 1959). The box is periodic over the train's period in z
-and over `width` across; `width` exceeds the tube's diameter by the near kernel's range, so that the
+and over a width across that exceeds the tube's diameter by the near kernel's range, so that the
 near kernel never reaches an image across. What the images across do to the flow is a regular flow
 inside the tube, which the tube's wall removes.
 """
@@ -33,15 +33,14 @@ class EwaldSplit(eqx.Module):
 
     parameter: float = eqx.field(static=True)
     cutoff: float = eqx.field(static=True)
-    width: float = eqx.field(static=True)
     largest_wave_number: float = eqx.field(static=True)
 
 
-def ewald_split(tube_diameter: float, cutoff: float, tolerance: float) -> EwaldSplit:
+def ewald_split(cutoff: float, tolerance: float) -> EwaldSplit:
     """Splitting with near range `cutoff` (r0) and relative truncation `tolerance`."""
     decay = math.sqrt(-math.log(tolerance))
     parameter = decay / cutoff
-    return EwaldSplit(parameter, cutoff, tube_diameter + cutoff, 2.0 * parameter * decay)
+    return EwaldSplit(parameter, cutoff, 2.0 * parameter * decay)
 
 
 def _scaled_erfc_polynomial(degree: int, middle: float) -> list[float]:

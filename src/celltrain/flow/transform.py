@@ -9,7 +9,9 @@ matrix product. `NonuniformTransform` takes any points (FINUFFT; Barnett, Maglan
 2019). Derivatives in any direction are exact in both, also those that break the rings: they are
 transforms of other strengths at the same points.
 
-Points have the shape [ring, azimuth, 3]; loose points are rings of one azimuth.
+Points have the shape [ring, azimuth, 3]; loose points are rings of one azimuth. Inside, they are in
+parts of the box and wave vectors in radians per box, so that a box's size may vary: derivatives by
+it (of rings that stay rings) follow from those of the points' parts.
 """
 
 import abc
@@ -32,68 +34,92 @@ PointSet = Float[Array, "_ _ 3"]
 
 
 class Transform(eqx.Module):
-    """Transform between points and the modes of one box; modes are arrays [part, *mode]."""
+    """Transform between points and the modes of one box; modes are arrays [part, *mode].
 
-    @abc.abstractmethod
+    `box` is its size in r0, along x, y and z.
+    """
+
+    box: Float[Array, "3"]
+
     def wave_vectors(self) -> tuple[Array, Array, Array]:
         """Components kx, ky, kz, broadcastable to the shape of the modes, in 1/r0."""
+        x, y, z = (turn / self.box[i] for i, turn in enumerate(self._turns()))
+        return x, y, z
+
+    @abc.abstractmethod
+    def _turns(self) -> tuple[Array, Array, Array]:
+        """The same in radians per box."""
 
     @abc.abstractmethod
     def _analyse(self, points: Points, strengths: Array) -> Array:
-        """Transform of strengths [component, ring, azimuth] to modes [component, *mode]."""
+        """Transform of strengths [component, ring, azimuth] to modes [component, *mode].
+
+        The points are in parts of the box.
+        """
 
     @abc.abstractmethod
     def _synthesise(self, points: Sequence[PointSet], modes: Array) -> tuple[Array, ...]:
-        """Sums [component, ring, azimuth] of modes [component, *mode] for each set of points."""
+        """Sums [component, ring, azimuth] of modes [component, *mode] for each set of points.
+
+        The points are in parts of the box.
+        """
 
     def analyse(self, points: Points, strengths: Float[Array, "ring azimuth part"]) -> Array:
         """Modes [part, *mode] of real strengths at the points, differentiable in both."""
-
-        @jax.custom_jvp
-        def transform(points: Points, strengths: Array) -> Array:
-            return self._analyse(points, jnp.moveaxis(strengths, -1, 0))
-
-        @transform.defjvp
-        def derivative(primals, tangents):  # type: ignore[no-untyped-def]
-            points, strengths = primals
-            d_points, d_strengths = tangents
-            dipoles = strengths[..., None, :] * d_points[..., :, None]
-            parts = strengths.shape[-1]
-            sources = jnp.concatenate([d_strengths[..., None, :], dipoles], axis=-2)
-            sources = jnp.moveaxis(sources.reshape(*points.shape[:2], 4 * parts), -1, 0)
-            moved = self._analyse(points, sources)
-            moved = moved.reshape(4, parts, *moved.shape[1:])
-            change = moved[0]
-            for component, part in zip(self.wave_vectors(), moved[1:], strict=True):
-                change = change - 1j * component * part
-            return transform(points, strengths), change
-
-        return transform(points, strengths)
+        return _analysed(self, points / self.box, strengths)
 
     def synthesise(self, points: Sequence[PointSet], modes: Array) -> tuple[Array, ...]:
         """Velocities [ring, azimuth, 3] at each set of points, differentiable in both.
 
-        Those of rings are complex, with an imaginary part of roundoff unless there is a shift.
+        Those of rings are complex, with an imaginary part of roundoff unless there is a phase.
         """
+        return _synthesised(self, tuple(each / self.box for each in points), modes)
 
-        @jax.custom_jvp
-        def transform(points: tuple[PointSet, ...], modes: Array) -> tuple[Array, ...]:
-            return tuple(jnp.moveaxis(u, 0, -1) for u in self._synthesise(points, modes))
 
-        @transform.defjvp
-        def derivative(primals, tangents):  # type: ignore[no-untyped-def]
-            points, modes = primals
-            d_points, d_modes = tangents
-            slopes = jnp.concatenate([1j * component * modes for component in self.wave_vectors()])
-            gradients = self._synthesise(points, slopes)
-            changes = transform(points, d_modes)
-            moved = []
-            for d_x, gradient, change in zip(d_points, gradients, changes, strict=True):
-                by_direction = gradient.reshape(3, 3, *gradient.shape[1:])
-                moved.append(change + jnp.einsum("rak,kcra->rac", d_x, by_direction))
-            return transform(points, modes), tuple(moved)
+# Transforms and their derivatives of points in parts of the box. Both take all that they need as
+# arguments, the box apart, on which they do not depend: so they can be differentiated twice.
 
-        return transform(tuple(points), modes)
+
+@jax.custom_jvp
+def _analysed(transform: Transform, points: Points, strengths: Array) -> Array:
+    return transform._analyse(points, jnp.moveaxis(strengths, -1, 0))
+
+
+@_analysed.defjvp
+def _analysed_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    transform, points, strengths = primals
+    _, d_points, d_strengths = tangents
+    dipoles = strengths[..., None, :] * d_points[..., :, None]
+    parts = strengths.shape[-1]
+    sources = jnp.concatenate([d_strengths[..., None, :], dipoles], axis=-2)
+    sources = jnp.moveaxis(sources.reshape(*points.shape[:2], 4 * parts), -1, 0)
+    moved = transform._analyse(points, sources)
+    moved = moved.reshape(4, parts, *moved.shape[1:])
+    change = moved[0]
+    for component, part in zip(transform._turns(), moved[1:], strict=True):
+        change = change - 1j * component * part
+    return _analysed(transform, points, strengths), change
+
+
+@jax.custom_jvp
+def _synthesised(
+    transform: Transform, points: tuple[PointSet, ...], modes: Array
+) -> tuple[Array, ...]:
+    return tuple(jnp.moveaxis(u, 0, -1) for u in transform._synthesise(points, modes))
+
+
+@_synthesised.defjvp
+def _synthesised_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    transform, points, modes = primals
+    _, d_points, d_modes = tangents
+    slopes = jnp.concatenate([1j * component * modes for component in transform._turns()])
+    gradients = transform._synthesise(points, slopes)
+    changes = _synthesised(transform, points, d_modes)
+    moved = []
+    for d_x, gradient, change in zip(d_points, gradients, changes, strict=True):
+        by_direction = gradient.reshape(3, 3, *gradient.shape[1:])
+        moved.append(change + jnp.einsum("rak,kcra->rac", d_x, by_direction))
+    return _synthesised(transform, points, modes), tuple(moved)
 
 
 def _in_pairs(components: Array) -> Array:
@@ -111,14 +137,14 @@ def _mode_numbers(length: float, largest: float) -> np.ndarray:
 class RingTransform(Transform):
     """Separable transform for points in rings about the axis; modes are [axial, across].
 
-    Wave vectors across lie in a disc. `axial` may carry a shift q/period: the modes then are those
-    of a field that is periodic up to the factor exp(i q) per period.
+    Wave vectors across lie in a disc. `axial` may carry a phase q: the modes then are those of a
+    field that is periodic up to the factor exp(i q) per period. Both in radians per box.
     """
 
     across: Float[Array, "2 across"]
     axial: Float[Array, " axial"]
 
-    def wave_vectors(self) -> tuple[Array, Array, Array]:
+    def _turns(self) -> tuple[Array, Array, Array]:
         """Components kx, ky [1, across] and kz [axial, 1]."""
         return self.across[0][None], self.across[1][None], self.axial[:, None]
 
@@ -159,24 +185,17 @@ class NonuniformTransform(Transform):
     """
 
     shape: tuple[int, int, int] = eqx.field(static=True)
-    width: float = eqx.field(static=True)
     tolerance: float = eqx.field(static=True)
-    period: Float[Array, ""]
 
-    def wave_vectors(self) -> tuple[Array, Array, Array]:
+    def _turns(self) -> tuple[Array, Array, Array]:
         """Components along the three axes of the modes."""
-        numbers = [2.0 * math.pi * (jnp.arange(n) - n // 2) for n in self.shape]
-        return (
-            numbers[0][:, None, None] / self.width,
-            numbers[1][None, :, None] / self.width,
-            numbers[2][None, None, :] / self.period,
-        )
+        x, y, z = (2.0 * math.pi * (jnp.arange(n) - n // 2) for n in self.shape)
+        return x[:, None, None], y[None, :, None], z[None, None, :]
 
     def _angles(self, points: Sequence[PointSet]) -> tuple[Array, Array, Array]:
         loose = jnp.concatenate([each.reshape(-1, 3) for each in points])
-        turn = loose[:, 2] / self.period
-        scale = 2.0 * math.pi / self.width
-        return scale * loose[:, 0], scale * loose[:, 1], 2 * math.pi * (turn - jnp.round(turn))
+        x, y, z = (2.0 * math.pi * loose[:, i] for i in range(3))
+        return x, y, z - 2.0 * math.pi * jnp.round(loose[:, 2])
 
     def _analyse(self, points: Points, strengths: Array) -> Array:
         count = strengths.shape[0]
@@ -211,21 +230,30 @@ class NonuniformTransform(Transform):
         )
 
 
-def ring_transform(split: EwaldSplit, period: float, shift: float = 0.0) -> RingTransform:
-    """Transform for rings in a box of the given axial period; `shift` in 1/r0 is added to kz."""
+def ring_transform(
+    split: EwaldSplit, width: float, period: float, phase: float = 0.0
+) -> RingTransform:
+    """Transform for rings in a box (sizes in r0); `phase` is q in radians per period."""
     largest = split.largest_wave_number
-    numbers = 2.0 * math.pi * _mode_numbers(split.width, largest) / split.width
-    kx, ky = (grid.ravel() for grid in np.meshgrid(numbers, numbers, indexing="ij"))
-    inside = kx**2 + ky**2 <= largest**2
-    # One number of modes for all shifts within half a period's wave number, so they can be stacked.
-    axial = 2.0 * math.pi * _mode_numbers(period, largest + math.pi / period) / period + shift
-    return RingTransform(jnp.asarray(np.stack([kx[inside], ky[inside]])), jnp.asarray(axial))
+    numbers = _mode_numbers(width, largest)
+    x, y = (grid.ravel() for grid in np.meshgrid(numbers, numbers, indexing="ij"))
+    # A disc of a whole number of waves: of tubes nearly as wide, all have the same number of modes
+    # and share compiled programs.
+    inside = x**2 + y**2 <= numbers[-1] ** 2
+    across = 2.0 * math.pi * np.stack([x[inside], y[inside]])
+    # One number of modes for all phases up to half a turn, so they can be stacked.
+    axial = 2.0 * math.pi * _mode_numbers(period, largest + math.pi / period) + phase
+    return RingTransform(_box(width, period), jnp.asarray(across), jnp.asarray(axial))
 
 
-def nonuniform_transform(split: EwaldSplit, period: float, tolerance: float) -> NonuniformTransform:
-    """Transform for any points in a box of the given axial period."""
-    across = _mode_numbers(split.width, split.largest_wave_number).size
+def nonuniform_transform(
+    split: EwaldSplit, width: float, period: float, tolerance: float
+) -> NonuniformTransform:
+    """Transform for any points in a box (sizes in r0)."""
+    across = _mode_numbers(width, split.largest_wave_number).size
     axial = _mode_numbers(period, split.largest_wave_number).size
-    return NonuniformTransform(
-        (across, across, axial), split.width, tolerance, jnp.asarray(period, dtype=float)
-    )
+    return NonuniformTransform(_box(width, period), (across, across, axial), tolerance)
+
+
+def _box(width: float, period: float) -> Float[Array, "3"]:
+    return jnp.array([width, width, period], dtype=float)

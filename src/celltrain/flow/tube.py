@@ -46,8 +46,8 @@ class PeriodicTube(eqx.Module):
 
     With `rings`, sources and targets must form rings about the axis (derivatives may leave them).
     A `quasi_periodic` one gives the flow of a wave along an infinite train from one period: images
-    of the sources carry the factor exp(i q) per period, with q/period the `shift` of the wall's
-    wave numbers, and velocities are complex. Unless q = 0 there is then no mean flow to hold.
+    of the sources carry the factor exp(i q) per period, with q the `phase` of the wall's wave
+    numbers, and velocities are complex. Unless q = 0 there is then no mean flow to hold.
     """
 
     split: EwaldSplit
@@ -59,7 +59,7 @@ class PeriodicTube(eqx.Module):
     quasi_periodic: bool = eqx.field(static=True)
 
     @property
-    def radius(self) -> float:
+    def radius(self) -> Float[Array, ""]:
         """Radius of the tube, in r0."""
         return self.wall.radius
 
@@ -68,7 +68,7 @@ class PeriodicTube(eqx.Module):
         x, y, z = (sources.points[..., i] for i in range(3))
         flux = jnp.zeros(())
         if sources.forces is not None:
-            uniform = math.pi * self.radius**4 / (8.0 * self.split.width**2)
+            uniform = math.pi * self.radius**4 / (8.0 * self.transform.box[0] ** 2)
             weight = (self.radius**2 - x**2 - y**2) / 4.0 - uniform
             flux = flux + jnp.sum(sources.forces[..., 2] * weight)
         if sources.stresslets is not None:
@@ -120,7 +120,7 @@ class PeriodicTube(eqx.Module):
         profile = 2.0 * (1.0 - square / self.radius**2)
         driven = profile * (float(mean_flow) - self.extra_flux(sources))
         if self.quasi_periodic:
-            return total.at[..., 2].add(jnp.where(self.wall.shift == 0.0, driven, 0.0))
+            return total.at[..., 2].add(jnp.where(self.wall.phase == 0.0, driven, 0.0))
         return total.real.at[..., 2].add(driven)
 
     def _far_modes(self, sources: Sources) -> Array:
@@ -134,7 +134,7 @@ class PeriodicTube(eqx.Module):
                 modes[:3] if sources.forces is not None else None,
                 modes[-6:] if sources.stresslets is not None else None,
                 self.transform.wave_vectors(),
-                self.split.width**2 * self.wall.period,
+                jnp.prod(self.transform.box),
                 self.split.parameter,
             )
         )
@@ -185,8 +185,7 @@ class PeriodicTube(eqx.Module):
             by_image += self.close.velocity(neighbours, targets, sources, self.wall.period)
         if not self.quasi_periodic:
             return jnp.sum(by_image, axis=0)
-        turn = self.wall.shift * self.wall.period
-        phases = jnp.exp(1j * turn * jnp.arange(-self.images, self.images + 1))
+        phases = jnp.exp(1j * self.wall.phase * jnp.arange(-self.images, self.images + 1))
         return jnp.einsum("p,pgtc->gtc", phases, by_image)
 
 
@@ -221,19 +220,21 @@ def periodic_tube(
     - `close`: makes what serves targets close to a cell, from the parameter of the near kernel.
     - `coarse_beyond`: distance from a cell at which its coarse samples serve.
     """
-    split = ewald_split(diameter, cutoff, tolerance)
-    shift = 0.0 if wave_number is None else wave_number / period
+    split = ewald_split(cutoff, tolerance)
+    # Wider than the tube by the near kernel's range, which so never reaches an image across.
+    width = diameter + cutoff
+    phase = 0.0 if wave_number is None else wave_number
     transform: Transform
     if rings:
-        transform = ring_transform(split, period, shift)
+        transform = ring_transform(split, width, period, phase)
     elif wave_number is None:
-        transform = nonuniform_transform(split, period, tolerance)
+        transform = nonuniform_transform(split, width, period, tolerance)
     else:
         raise ValueError("a quasi-periodic flow needs sources in rings")
     return PeriodicTube(
         split=split,
         transform=transform,
-        wall=tube_wall(0.5 * diameter, period, gap=gap, tolerance=tolerance, shift=shift),
+        wall=tube_wall(0.5 * diameter, period, gap=gap, tolerance=tolerance, phase=phase),
         close=None if close is None else close(split.parameter),
         coarse_beyond=coarse_beyond,
         images=math.floor((cutoff + extent + period) / period),

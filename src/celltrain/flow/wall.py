@@ -1,19 +1,23 @@
 """The no-slip wall of a straight round tube, by separation of variables.
 
 The flow that takes given values on the wall and is regular inside is known mode by mode. For
-exp(i(m theta + k z)), k != 0, with I = I_m(|k| r) and coefficients P, S, Q fixed at r = R,
+exp(i(m theta + k z)), k != 0, in the components (u_r, u_theta/i, u_z/i) and with I_n = I_n(x), x =
+|k| r, it is a combination, with coefficients fixed at r = R, of
 
-    u_r     = P r I'' + S I' + Q (i m/r) I,
-    u_theta = P (i m I' - i m I/r) + S (i m/r) I - Q I',
-    u_z     = P i k (r I' + I) + S i k I,            p = 2 k^2 P I
+    (I_(m-1), I_(m-1), I_m),   (I_(m+1), -I_(m+1), I_m),
+    (x I_(m+2) + m I_(m+1), (m + 2) I_(m+1), x I_(m+1)),
 
-(Happel & Brenner 1983, section 3.3). For k = 0, u_z ~ r^|m| and (u_r, u_theta) are combinations of
+turned for negative m and k: those of Happel & Brenner 1983, section 3.3, recombined, as theirs
+become parallel as k -> 0. For m = 0 the first two are replaced by (I_1, 0, I_0) and (0, I_1, 0),
+and the third by (x I_2, 0, x I_1). For k = 0, u_z ~ r^|m| and (u_r, u_theta) are combinations of
 r^(|m| - 1) and r^(|m| + 1); for m = 0 only a rigid rotation. The radial functions are kept as
 Chebyshev coefficients, which makes the evaluation at any point a Fourier sum in theta, z and
-arccos(r/R).
+arccos(r/R). They depend on k R alone, so a tube's radius and period may vary (`response_slope`).
 """
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
 import equinox as eqx
 import jax
@@ -33,22 +37,42 @@ STRIP = 8
 LEAST_BESSEL = 1e-200
 
 
-def _bessel_ratios(
-    order: int, wave: float, radius: float, r: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """I_n(k r)/I_m(k R) for n = m - 1, m, m + 1, free of overflow and underflow."""
-    neighbours = (abs(order - 1), order, order + 1)
-    if order == 0 or ive(order + 1, wave * radius) > LEAST_BESSEL:
+# I_n(k r)/I_m(k R) for n = m - 1, m, m + 1, m + 2.
+Ratios = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def _bessel_ratios(order: int, wave: float, radius: float, r: np.ndarray) -> Ratios:
+    """I_n(k r)/I_m(k R) for n = m - 1, m, m + 1, m + 2, free of overflow and underflow."""
+    neighbours = (abs(order - 1), order, order + 1, order + 2)
+    if order == 0 or ive(order + 2, wave * radius) > LEAST_BESSEL:
         scale = np.exp(wave * (r - radius)) / ive(order, wave * radius)
-        below, value, above = (ive(n, wave * r) * scale for n in neighbours)
-        return below, value, above
+        below, value, above, beyond = (ive(n, wave * r) * scale for n in neighbours)
+        return below, value, above, beyond
     # I_n(x) = (x/2)^n/n! 0F1(n + 1; x^2/4), of which the power underflows.
     half = 0.5 * wave
     series = [hyp0f1(n + 1.0, (half * r) ** 2) * (r / radius) ** n for n in neighbours]
     whole = hyp0f1(order + 1.0, (half * radius) ** 2)
-    powers = (order / (half * radius), 1.0, half * radius / (order + 1.0))
-    below, value, above = (power * each / whole for power, each in zip(powers, series, strict=True))
-    return below, value, above
+    step = half * radius / (order + 1.0)
+    powers = (order / (half * radius), 1.0, step, step * half * radius / (order + 2.0))
+    below, value, above, beyond = (
+        power * each / whole for power, each in zip(powers, series, strict=True)
+    )
+    return below, value, above, beyond
+
+
+def _axial_solutions(order: int, ratios: Ratios, x: np.ndarray) -> np.ndarray:
+    """The three solutions [component, solution, node] for m >= 0 and k > 0; linear in x."""
+    below, value, above, beyond = ratios
+    none = np.zeros_like(value)
+    if order == 0:
+        return np.stack([[above, none, x * beyond], [none, above, none], [value, none, x * above]])
+    return np.stack(
+        [
+            [below, above, x * beyond + order * above],
+            [below, -above, (order + 2) * above],
+            [value, value, x * above],
+        ]
+    )
 
 
 def _axial_response(m: int, k: float, radius: float, nodes: np.ndarray) -> np.ndarray:
@@ -56,22 +80,45 @@ def _axial_response(m: int, k: float, radius: float, nodes: np.ndarray) -> np.nd
 
     Components are (u_r, u_theta/i, u_z/i), in which the system is real.
     """
-    order, wave = abs(m), abs(k)
-    r = np.append(nodes, radius)
-    below, value, above = _bessel_ratios(order, wave, radius, r)
-    slope = 0.5 * wave * (below + above)
-    second = (wave**2 + (order / r) ** 2) * value - slope / r
-    columns = np.stack(
-        [
-            [r * second, slope, -m / r * value],
-            [m * slope - m / r * value, m / r * value, -slope],
-            [k * (r * slope + value), k * value, np.zeros_like(r)],
-        ]
+    order, wave, r = abs(m), abs(k), np.append(nodes, radius)
+    found = _axial_solutions(order, _bessel_ratios(order, wave, radius, r), wave * r)
+    return _turned(m, k, _fitted(found, found))
+
+
+def _axial_slope(m: int, k: float, radius: float, nodes: np.ndarray) -> np.ndarray:
+    """k d/dk of `_axial_response`."""
+    order, wave, r = abs(m), abs(k), np.append(nodes, radius)
+    ratios, x = _bessel_ratios(order, wave, radius, r), wave * r
+    below, value, above, beyond = ratios
+    # x I_n' = n I_n + x I_(n+1) = x I_(n-1) - n I_n; what they are divided by does not matter.
+    slopes = (
+        (order - 1) * below + x * value,
+        order * value + x * above,
+        (order + 1) * above + x * beyond,
+        x * above - (order + 2) * beyond,
     )
+    found = _axial_solutions(order, ratios, x)
+    moved = _axial_solutions(order, slopes, x) + found - _axial_solutions(order, ratios, 0.0 * x)
+    moved = moved - np.einsum("oin,ic->ocn", _fitted(found, found, ends=True), moved[:, :, -1])
+    return _turned(m, k, _fitted(moved, found))
+
+
+def _fitted(functions: np.ndarray, solutions: np.ndarray, *, ends: bool = False) -> np.ndarray:
+    """The functions, combined as the solutions are to take unit values at the last node.
+
+    That node is left out unless `ends`.
+    """
     # Columns scaled before the solve: for small k they differ by orders of magnitude.
-    size = np.abs(columns[:, :, -1]).max(axis=0)
-    inverse = np.linalg.inv(columns[:, :, -1] / size)
-    return np.einsum("ocn,ci->oin", columns[:, :, :-1] / size[None, :, None], inverse)
+    size = np.abs(solutions[:, :, -1]).max(axis=0)
+    inverse = np.linalg.inv(solutions[:, :, -1] / size)
+    nodes = functions if ends else functions[:, :, :-1]
+    return np.einsum("ocn,ci->oin", nodes / size[None, :, None], inverse)
+
+
+def _turned(m: int, k: float, response: np.ndarray) -> np.ndarray:
+    """The functions of |m| and |k| for m and k: with each sign a component changes its own."""
+    signs = np.array([1.0, -1.0 if m < 0 else 1.0, -1.0 if k < 0.0 else 1.0])
+    return signs[:, None, None] * response * signs[:, None]
 
 
 def _uniform_response(m: int, radius: float, nodes: np.ndarray) -> np.ndarray:
@@ -94,16 +141,31 @@ class TubeWall(eqx.Module):
     """Wall points and the regular flow that takes given values there.
 
     `response` holds the Chebyshev coefficients (degree below 2 * nodes, of the parity of the
-    function) for each azimuthal number and axial wave number, [out, in, m, k, chebyshev].
+    function) for each azimuthal number and axial wave number, [out, in, m, k, chebyshev]. `axial`
+    are the wave numbers in radians per period, all with `phase` added to whole turns.
     """
 
-    radius: float = eqx.field(static=True)
     tolerance: float = eqx.field(static=True)
+    radius: Float[Array, ""]
     period: Float[Array, ""]
+    phase: Float[Array, ""]
     orders: Float[Array, " m"]
     axial: Float[Array, " k"]
-    shift: Float[Array, ""]
     response: Float[Array, "3 3 m k chebyshev"]
+
+    def response_slope(self) -> Float[np.ndarray, "3 3 m k chebyshev"]:
+        """d(response)/d log(R/period)."""
+        return _responses(self, _axial_slope, lambda m, radius, nodes: np.zeros((3, 3, nodes.size)))
+
+    def resized(
+        self, radius: Float[Array, ""], period: Float[Array, ""], slope: Array
+    ) -> "TubeWall":
+        """The wall of another radius and period, its response to first order.
+
+        **Arguments:** `slope`: see `response_slope`.
+        """
+        change = jnp.log(radius / self.radius) - jnp.log(period / self.period)
+        return replace(self, radius=radius, period=period, response=self.response + change * slope)
 
     def points(self) -> Float[Array, "k m 3"]:
         """Wall points [z, theta, 3]: uniform, as many as modes."""
@@ -131,8 +193,8 @@ class TubeWall(eqx.Module):
         """Coefficients of the cylindrical components of the flow with this boundary velocity."""
         n_z, n_theta, _ = boundary.shape
         theta = 2.0 * math.pi * jnp.arange(n_theta) / n_theta
-        z = self.period * jnp.arange(n_z)[:, None] / n_z
-        u_x, u_y, u_z = (boundary[..., i] * jnp.exp(-1j * self.shift * z) for i in range(3))
+        turn = jnp.arange(n_z)[:, None] / n_z
+        u_x, u_y, u_z = (boundary[..., i] * jnp.exp(-1j * self.phase * turn) for i in range(3))
         cylindrical = jnp.stack(
             [
                 u_x * jnp.cos(theta) + u_y * jnp.sin(theta),
@@ -149,43 +211,9 @@ class TubeWall(eqx.Module):
         self, points: Float[Array, "ring azimuth 3"], flow: Complex[Array, "3 m k chebyshev"]
     ) -> Complex[Array, "ring azimuth 3"]:
         """The flow at points in rings about the axis; derivatives in any direction are exact."""
-
-        def sums(points: Array, flow: Array, slope: bool) -> Array:
-            radius = jnp.hypot(points[:, 0, 0], points[:, 0, 1])
-            angle = jnp.arccos(radius / self.radius)[:, None]
-            n = jnp.arange(self.response.shape[-1])
-            radial = jnp.cos(n * angle)
-            if slope:
-                radial = n * jnp.sin(n * angle) / (jnp.sin(angle) * self.radius)
-            axial = jnp.exp(1j * points[:, 0, 2:] * self.axial)
-            theta = jnp.arctan2(points[..., 1], points[..., 0])
-            turn = jnp.exp(1j * theta[..., None] * self.orders)
-            by_ring = jnp.einsum("rk,cmkn->rcmn", axial, flow)
-            by_ring = jnp.einsum("rn,rcmn->rcm", radial.astype(complex), by_ring)
-            return jnp.einsum("ram,rcm->rac", turn, by_ring)
-
-        @jax.custom_jvp
-        def cylindrical(points: Array, flow: Array) -> Array:
-            return sums(points, flow, slope=False)
-
-        @cylindrical.defjvp
-        def derivative(primals, tangents):  # type: ignore[no-untyped-def]
-            points, flow = primals
-            d_points, d_flow = tangents
-            square = points[..., 0] ** 2 + points[..., 1] ** 2
-            radius = jnp.sqrt(square)
-            d_radius = points[..., 0] * d_points[..., 0] + points[..., 1] * d_points[..., 1]
-            d_theta = points[..., 0] * d_points[..., 1] - points[..., 1] * d_points[..., 0]
-            change = sums(points, d_flow, slope=False)
-            for step, factor, slope in (
-                (d_radius / radius, 1.0, True),
-                (d_theta / square, 1j * self.orders[:, None, None], False),
-                (d_points[..., 2], 1j * self.axial[:, None], False),
-            ):
-                change = change + step[..., None] * sums(points, factor * flow, slope)
-            return sums(points, flow, slope=False), change
-
-        return _to_cartesian(points, cylindrical(points, flow))
+        # In parts of radius and period, so that nothing else in there depends on these.
+        parts = points / jnp.stack([self.radius, self.radius, self.period])
+        return _to_cartesian(points, _ring_flow(self.orders, self.axial, parts, flow))
 
     def at_points(
         self, points: Float[Array, "ring azimuth 3"], flow: Complex[Array, "3 m k chebyshev"]
@@ -210,6 +238,44 @@ class TubeWall(eqx.Module):
         return _to_cartesian(points, cylindrical.reshape(points.shape))
 
 
+def _ring_sums(orders: Array, axial: Array, points: Array, flow: Array, slope: bool) -> Array:
+    """Cylindrical components at rings in parts of radius and period, or their radial slopes."""
+    angle = jnp.arccos(jnp.hypot(points[:, 0, 0], points[:, 0, 1]))[:, None]
+    n = jnp.arange(flow.shape[-1])
+    radial = jnp.cos(n * angle)
+    if slope:
+        radial = n * jnp.sin(n * angle) / jnp.sin(angle)
+    along = jnp.exp(1j * points[:, 0, 2:] * axial)
+    theta = jnp.arctan2(points[..., 1], points[..., 0])
+    turn = jnp.exp(1j * theta[..., None] * orders)
+    by_ring = jnp.einsum("rk,cmkn->rcmn", along, flow)
+    by_ring = jnp.einsum("rn,rcmn->rcm", radial.astype(complex), by_ring)
+    return jnp.einsum("ram,rcm->rac", turn, by_ring)
+
+
+@jax.custom_jvp
+def _ring_flow(orders: Array, axial: Array, points: Array, flow: Array) -> Array:
+    return _ring_sums(orders, axial, points, flow, False)
+
+
+@_ring_flow.defjvp
+def _ring_flow_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    orders, axial, points, flow = primals
+    _, _, d_points, d_flow = tangents
+    square = points[..., 0] ** 2 + points[..., 1] ** 2
+    radius = jnp.sqrt(square)
+    d_radius = points[..., 0] * d_points[..., 0] + points[..., 1] * d_points[..., 1]
+    d_theta = points[..., 0] * d_points[..., 1] - points[..., 1] * d_points[..., 0]
+    change = _ring_sums(orders, axial, points, d_flow, False)
+    for step, factor, slope in (
+        (d_radius / radius, 1.0, True),
+        (d_theta / square, 1j * orders[:, None, None], False),
+        (d_points[..., 2], 1j * axial[:, None], False),
+    ):
+        change = change + step[..., None] * _ring_sums(orders, axial, points, factor * flow, slope)
+    return _ring_flow(orders, axial, points, flow), change
+
+
 def _to_cartesian(points: Array, cylindrical: Array) -> Array:
     radius = jnp.sqrt(points[..., 0] ** 2 + points[..., 1] ** 2)
     cosine, sine = points[..., 0] / radius, points[..., 1] / radius
@@ -218,14 +284,15 @@ def _to_cartesian(points: Array, cylindrical: Array) -> Array:
 
 
 def tube_wall(
-    radius: float, period: float, *, gap: float, tolerance: float, shift: float = 0.0
+    radius: float, period: float, *, gap: float, tolerance: float, phase: float = 0.0
 ) -> TubeWall:
     """Wall of a tube, fine enough for surfaces at a distance of `gap` or more.
 
     The velocity on the wall that a source at that distance gives has modes that fall as
     exp(-k gap), and so does their effect back at that distance; both are resolved to `tolerance`.
 
-    **Arguments:** `shift` (1/r0) is added to every axial wave number (quasi-periodic flow).
+    **Arguments:** `phase` (radians per period) is added to every axial wave number (quasi-periodic
+    flow).
     """
     largest = -math.log(tolerance) / (1.4 * gap)
     n_theta = 2 * math.ceil(largest * radius) + 1
@@ -234,32 +301,40 @@ def tube_wall(
     steep = largest * radius
     nodes_count = math.ceil(0.5 * math.sqrt(2.0 * steep * -math.log(tolerance))) + 8
     full = 2 * nodes_count
-    psi = (np.arange(nodes_count) + 0.5) * np.pi / full
+    orders = np.arange(n_theta) - n_theta // 2
+    axial = 2.0 * np.pi * (np.arange(n_z) - n_z // 2) + phase
+    full_shape = (3, 3, n_theta, n_z, full)
+    wall = TubeWall(
+        tolerance=tolerance,
+        radius=jnp.asarray(radius, dtype=float),
+        period=jnp.asarray(period, dtype=float),
+        phase=jnp.asarray(phase, dtype=float),
+        orders=jnp.asarray(orders, dtype=float),
+        axial=jnp.asarray(axial),
+        response=jnp.zeros(full_shape),
+    )
+    return replace(wall, response=jnp.asarray(_responses(wall, _axial_response, _uniform_response)))
+
+
+def _responses(
+    wall: TubeWall,
+    axial: Callable[[int, float, float, np.ndarray], np.ndarray],
+    uniform: Callable[[int, float, np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Chebyshev coefficients [out, in, m, k, chebyshev] of the radial functions of all modes."""
+    radius, full = float(wall.radius), wall.response.shape[-1]
+    psi = (np.arange(full // 2) + 0.5) * np.pi / full
     nodes = radius * np.cos(psi)
-    to_chebyshev = np.cos(np.outer(np.arange(full), psi)) * (2.0 / nodes_count)
+    to_chebyshev = np.cos(np.outer(np.arange(full), psi)) * (4.0 / full)
     to_chebyshev[0] *= 0.5
     # By symmetry the other half of the nodes doubles coefficients of the right parity.
     even = (np.arange(full) % 2 == 0)[:, None]
-    orders = np.arange(n_theta) - n_theta // 2
-    axial = 2.0 * np.pi * (np.arange(n_z) - n_z // 2) / period + shift
-    response = np.zeros((3, 3, n_theta, n_z, full))
-    for i, m in enumerate(orders):
+    response = np.zeros(wall.response.shape)
+    for i, m in enumerate(int(order) for order in wall.orders):
         along = to_chebyshev * (even if m % 2 == 0 else ~even)
         across = to_chebyshev * (even if m % 2 else ~even)
-        for j, k in enumerate(axial):
-            values = (
-                _uniform_response(int(m), radius, nodes)
-                if k == 0.0
-                else _axial_response(int(m), float(k), radius, nodes)
-            )
+        for j, k in enumerate(np.asarray(wall.axial) / float(wall.period)):
+            values = uniform(m, radius, nodes) if k == 0.0 else axial(m, float(k), radius, nodes)
             response[:2, :, i, j] = values[:2] @ across.T
             response[2, :, i, j] = values[2] @ along.T
-    return TubeWall(
-        radius=radius,
-        tolerance=tolerance,
-        period=jnp.asarray(period, dtype=float),
-        orders=jnp.asarray(orders, dtype=float),
-        axial=jnp.asarray(axial),
-        shift=jnp.asarray(shift, dtype=float),
-        response=jnp.asarray(response),
-    )
+    return response

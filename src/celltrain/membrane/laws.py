@@ -58,7 +58,11 @@ class NeoHookean(ConstitutiveLaw):
         return self.shear_modulus / 4.0 * (first + 1.0 / (1.0 + second) - 1.0)
 
 
-def make_law(name: str, shear_modulus: float, dilatation_modulus: float) -> ConstitutiveLaw:
+def make_law(
+    name: str,
+    shear_modulus: float | Float[Array, ""],
+    dilatation_modulus: float | Float[Array, ""],
+) -> ConstitutiveLaw:
     """The law of the given name; `KeyError` if there is none."""
     shear = jnp.asarray(shear_modulus, dtype=float)
     laws = {

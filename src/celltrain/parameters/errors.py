@@ -36,7 +36,9 @@ def allowed_range(field: FieldInfo) -> str:
 
 def case_error(error: ValidationError, model: type[BaseModel]) -> CaseError:
     """A pydantic failure of ``model`` as a short message, one line for each wrong value."""
-    fields: Mapping[str, FieldInfo] = model.model_fields
+    fields: Mapping[str, FieldInfo] = {
+        str(field.validation_alias or name): field for name, field in model.model_fields.items()
+    }
     lines = (_line(detail, fields) for detail in error.errors())
     return CaseError("\n".join(line for line in lines if line))
 

@@ -1,5 +1,6 @@
 """A simulation as a film: the cells in their tube, frame by frame."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,9 @@ from celltrain.pictures.train import INK
 WIDTH = 8.0
 DOTS = 110
 
+#: Called with the number of frames drawn and that of all.
+FilmProgress = Callable[[int, int], None]
+
 
 def animate(
     train: Train,
@@ -22,6 +26,7 @@ def animate(
     path: Path,
     *,
     frames_per_second: int = 12,
+    progress: FilmProgress | None = None,
 ) -> Path:
     """Write frames of a simulation as a film; returns `path`.
 
@@ -33,14 +38,14 @@ def animate(
     each; `OSError` if the film cannot be written.
     """
     check_frames(times, shapes)
-    writer = _writer(path, frames_per_second)
+    writer = film_writer(path, frames_per_second)
     stage = make_stage(train, shapes)
     picture = min(WIDTH * stage.ratio, 5.0)
     text = 0.34
     height = picture + text
     figure = Figure(figsize=(WIDTH, height), facecolor="white")
     with writer.saving(figure, str(path), DOTS):
-        for time, shape in zip(times, shapes, strict=True):
+        for number, (time, shape) in enumerate(zip(times, shapes, strict=True), 1):
             figure.clear()
             stage.draw(figure.add_axes((0.0, text / height, 1.0, picture / height)), shape)
             figure.text(
@@ -53,10 +58,16 @@ def animate(
                 color=INK,
             )
             writer.grab_frame()
+            if progress is not None:
+                progress(number, len(times))
     return path
 
 
-def _writer(path: Path, frames_per_second: int) -> AbstractMovieWriter:
+def film_writer(path: Path, frames_per_second: int = 12) -> AbstractMovieWriter:
+    """What writes a film of this name.
+
+    **Raises:** `CaseError` for an ending other than `.gif` and `.mp4`, or `.mp4` without ffmpeg.
+    """
     if path.suffix == ".gif":
         return PillowWriter(fps=frames_per_second)
     if path.suffix == ".mp4":

@@ -24,6 +24,8 @@ Shapes = Float[np.ndarray, "cell 3 coefficient"]
 BLUE, VERMILION = "#0072B2", "#D55E00"
 # Length (r0) of the arrow of the fastest cell.
 ARROW = 1.5
+# Height over width of a tube's picture above which two of them make a row.
+WIDE = 0.4
 
 
 @dataclass(frozen=True)
@@ -45,10 +47,15 @@ class Growth:
     linear: Float[np.ndarray, " _"] | None = None
 
 
-def plot_growth(train: Train, growth: Growth, path: Path) -> Path:
+def plot_growth(
+    train: Train, growth: Growth, path: Path, *, logarithmic_time: bool = False
+) -> Path:
     """The size of a disturbance over time, beside its linear predictions; returns `path`.
 
     Logarithmic in size, as Figs. 4 and 11; exp(alpha t) begins at the first size.
+
+    **Arguments:** `logarithmic_time`: logarithmic in time, too, as Fig. 4, which shows what happens
+    at first.
 
     **Raises:** `CaseError` if fewer than two times or arrays of other lengths are given; `OSError`
     if the picture cannot be written.
@@ -95,7 +102,11 @@ def plot_growth(train: Train, growth: Growth, path: Path) -> Path:
     seen = seen[np.isfinite(seen) & (seen > 0.0)]
     if seen.size:
         axes.set_ylim(0.6 * seen.min(), 2.0 * seen.max())
-    axes.set_xlim(times[0], times[-1])
+    if logarithmic_time:
+        axes.set_xscale("log")
+        axes.set_xlim(times[times > 0.0].min(), times[-1])
+    else:
+        axes.set_xlim(times[0], times[-1])
     axes.set_xlabel("$t$ ($r_0/U$)")
     axes.set_ylabel("size of the disturbance ($r_0$)")
     axes.set_title(case_title(train), loc="left", fontsize=10)
@@ -246,31 +257,36 @@ def draw_snapshots(
     path: Path,
     *,
     velocities: Float[np.ndarray, "frame cell 3"] | None = None,
+    dots_per_inch: int = 150,
 ) -> Path:
-    """The cells in their tube at the given times, one below the other (Fig. 12); returns `path`.
+    """The cells in their tube at the given times, row by row (Fig. 12); returns `path`.
 
     **Arguments:** `times` in r0/U, `shapes` in r0; `velocities` of the cells in U, drawn as arrows,
-    such as the `centroid_velocity` of `celltrain.diagnostics.frame` less the steady train's.
+    such as the `centroid_velocity` of `celltrain.diagnostics.frame` less the steady train's;
+    `dots_per_inch` of a picture that is 10 inches wide.
 
     **Raises:** `CaseError` if there is no time, or not one for each frame; `OSError` if the picture
     cannot be written.
     """
     check_frames(times, shapes)
     stage = make_stage(train, shapes)
-    width, rows = 10.0, len(times)
+    # Short, wide tubes go side by side.
+    columns = 1 if stage.ratio < WIDE or len(times) == 1 else 2
+    width, rows = 10.0, -(-len(times) // columns)
     label = 0.28
-    row = min(width * stage.ratio, 4.0) + label
+    row = min(width / columns * stage.ratio, 4.0) + label
     height = rows * row + 0.35
-    figure = Figure(figsize=(width, height), dpi=150, facecolor="white")
+    figure = Figure(figsize=(width, height), dpi=dots_per_inch, facecolor="white")
     unit = 1.0
     if velocities is not None:
         unit = max(float(np.linalg.norm(velocities, axis=-1).max()), 1e-300)
     for number, time in enumerate(times):
-        bottom = height - (number + 1) * row
-        axes = figure.add_axes((0.0, bottom / height, 1.0, (row - label) / height))
+        bottom = height - (number // columns + 1) * row
+        left = number % columns / columns
+        axes = figure.add_axes((left, bottom / height, 1.0 / columns, (row - label) / height))
         stage.draw(axes, shapes[number], None if velocities is None else velocities[number], unit)
         figure.text(
-            0.02,
+            left + 0.02,
             (bottom + row - 0.5 * label) / height,
             f"$t$ = {time:.4g} $r_0/U$",
             fontsize=10,

@@ -2,6 +2,7 @@
 
 from celltrain.results.netcdf import dataset, load, save
 from celltrain.results.registry import QUANTITIES, Quantity, attributes, print_registry, quantity
+from celltrain.results.replace import remove_leftovers, replace_file
 from celltrain.results.report import print_report, verdict
 from celltrain.results.summary import summary
 
@@ -14,6 +15,8 @@ __all__ = [
     "print_registry",
     "print_report",
     "quantity",
+    "remove_leftovers",
+    "replace_file",
     "save",
     "summary",
     "verdict",

@@ -1,6 +1,5 @@
 """Results as one self-describing netCDF4 file, and back, bit for bit."""
 
-import os
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -12,8 +11,9 @@ from jaxtyping import Complex, Float
 
 from celltrain.parameters import merge_case
 from celltrain.results.registry import attributes, quantity
+from celltrain.results.replace import replace_file
 from celltrain.results.version import version
-from celltrain.stability import Mode, Stability, TransientMode
+from celltrain.stability import ErrorBar, Mode, Stability, TransientMode
 from celltrain.steady import Base, Iteration
 
 _BLOCKS = ("blocks", "eigenvalues", "right_vectors", "left_vectors")
@@ -36,6 +36,7 @@ _MODE_TYPES = {
     "index": np.int64,
     "neutral_kind": str,
 }
+_BAR_NUMBERS = ("by_degree", "by_rules", "overlap")
 _STABILITY_SCALARS = ("spectral_abscissa", "numerical_abscissa", "error_estimate")
 
 
@@ -50,15 +51,13 @@ def save(result: Base | Stability, path: str | Path) -> Path:
     """
     path = Path(path)
     data = dataset(result)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     # No fill values: every number is meant, and an infinite step is no gap in the data.
     encoding = {name: {"_FillValue": None} for name in data.variables}
-    try:
+
+    def write(part: Path) -> None:
         data.to_netcdf(part, engine="h5netcdf", encoding=encoding)
-        os.replace(part, path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
+
+    replace_file(path, write)
     return path
 
 
@@ -141,6 +140,11 @@ def _stability_variables(result: Stability) -> dict[str, Any]:
     for name in _MODE_TYPES:
         column = [getattr(mode, name) for mode in result.modes]
         variables[f"mode_{name}"] = np.array(column, dtype=_MODE_TYPES[name])
+    places = [result.modes.index(bar.mode) for bar in result.error_bars]
+    variables["bar_mode"] = np.array(places, dtype=np.int64)
+    for name in _BAR_NUMBERS:
+        numbers = [getattr(bar, name) for bar in result.error_bars]
+        variables[f"bar_{name}"] = np.array(numbers, dtype=float)
     for name in ("growth_rate", "azimuthal_number", "wave_number"):
         variables[f"transient_{name}"] = getattr(result.transient, name)
     return variables | _parts("transient_vector", result.transient.vector)
@@ -178,6 +182,9 @@ def _read_stability(data: xr.Dataset, base: Base) -> Stability:
     def blocks(name: str) -> dict[int, Complex[np.ndarray, "..."]]:
         return {number: _whole(data, f"{name}_m{number:02d}") for number in numbers}
 
+    modes = tuple(
+        Mode(**dict(zip(_MODE_TYPES, values, strict=True))) for values in zip(*columns, strict=True)
+    )
     return Stability(
         base=base,
         azimuthal_numbers=numbers,
@@ -186,10 +193,7 @@ def _read_stability(data: xr.Dataset, base: Base) -> Stability:
         eigenvalues=blocks("eigenvalues"),
         right_vectors=blocks("right_vectors"),
         left_vectors=blocks("left_vectors"),
-        modes=tuple(
-            Mode(**dict(zip(_MODE_TYPES, values, strict=True)))
-            for values in zip(*columns, strict=True)
-        ),
+        modes=modes,
         spectral_abscissa=float(data["spectral_abscissa"]),
         numerical_abscissa=float(data["numerical_abscissa"]),
         error_estimate=float(data["error_estimate"]),
@@ -201,6 +205,18 @@ def _read_stability(data: xr.Dataset, base: Base) -> Stability:
             vector=_whole(data, "transient_vector"),
         ),
         seconds=_named(data, "stage", "seconds"),
+        error_bars=_read_bars(data, modes),
+    )
+
+
+def _read_bars(data: xr.Dataset, modes: tuple[Mode, ...]) -> tuple[ErrorBar, ...]:
+    """The error bars; none in files of versions that had none."""
+    if "bar_mode" not in data:
+        return ()
+    columns = [data[f"bar_{name}"].values.tolist() for name in _BAR_NUMBERS]
+    return tuple(
+        ErrorBar(modes[place], *numbers)
+        for place, *numbers in zip(data["bar_mode"].values.tolist(), *columns, strict=True)
     )
 
 

@@ -176,6 +176,12 @@ QUANTITIES: dict[str, Quantity] = _table(
     Quantity(
         "error_estimate", "", "U/r0", "error of growth rates that the resolution leaves, estimated"
     ),
+    Quantity("bar_mode", "", "1", "number of the mode that each error bar belongs to", ("bar",)),
+    Quantity(
+        "bar_by_degree", "", "U/r0", "change of its eigenvalue by four degrees more", ("bar",)
+    ),
+    Quantity("bar_by_rules", "", "U/r0", "change of its eigenvalue by finer grids", ("bar",)),
+    Quantity("bar_overlap", "", "1", "overlap with the mode in these computations", ("bar",)),
     Quantity(
         "transient_growth_rate", r"\eta", "U/r0", "initial growth rate of the transient disturbance"
     ),

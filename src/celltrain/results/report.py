@@ -42,12 +42,12 @@ def is_marginal(result: Stability) -> bool:
 def verdict(result: Stability) -> str:
     """Whether the train is stable, in a sentence; distances are those that the train travels."""
     alpha = result.spectral_abscissa
-    error = result.error_estimate
+    error = leading_error(result)
     if is_marginal(result):
         known = "not estimated" if math.isnan(error) else f"{error:.1e} U/r0"
         return (
             f"marginally stable: nothing grows but the neutral modes (largest growth rate"
-            f" {alpha:.1e} U/r0, the resolution's own error {known})"
+            f" {alpha:.1e} U/r0, the resolution's own error {known}){_sign(result)}"
         )
     if error >= alpha:
         return (
@@ -61,6 +61,20 @@ def verdict(result: Stability) -> str:
         f" it {_motion(mode, result.base.train.cells)} (m = {mode.azimuthal_number},"
         f" {_wave_number(mode, result.base.train.cells)})"
     )
+
+
+def leading_error(result: Stability) -> float:
+    """The error of the leading growth rate: its bar if there is one, the estimate otherwise."""
+    bars = {bar.mode: bar.total for bar in result.error_bars}
+    return bars.get(result.leading, result.error_estimate)
+
+
+def _sign(result: Stability) -> str:
+    """What error bars say about the sign of a growth rate close to zero."""
+    if result.growth_sign is None:
+        return ""
+    known = {1: "it is positive", -1: "it is negative", 0: "error bars leave its sign open"}
+    return f"; {known[result.growth_sign]}"
 
 
 def _motion(mode: Mode, cells: int) -> str:
@@ -125,7 +139,7 @@ def _rates(result: Stability) -> Table:
     table.add_column("in the paper's unit", justify="right")
     for name, rate in (
         ("spectral abscissa (alpha)", result.spectral_abscissa),
-        ("  its error, estimated", result.error_estimate),
+        ("  its error, estimated", leading_error(result)),
         ("numerical abscissa (eta)", result.numerical_abscissa),
     ):
         table.add_row(name, _rate(rate), _rate(paper_units.rate(rate)))
@@ -148,7 +162,9 @@ def _modes_table(result: Stability) -> Table:
         title_justify="left",
         title_style="bold",
     )
-    for column in ("m", "j", "growth rate", "frequency", "multiplicity"):
+    bars = {bar.mode: _rate(bar.total) for bar in result.error_bars}
+    error = ("error",) if bars else ()
+    for column in ("m", "j", "growth rate", *error, "frequency", "multiplicity"):
         table.add_column(column, justify="right")
     table.add_column("pattern")
     leading = [mode for mode in result.modes if not mode.neutral]
@@ -163,6 +179,7 @@ def _modes_table(result: Stability) -> Table:
             str(mode.azimuthal_number),
             str(mode.wave_number),
             _rate(mode.growth_rate),
+            *([bars.get(mode, "")] if bars else []),
             _rate(mode.frequency),
             str(mode.multiplicity),
             pattern,
@@ -175,6 +192,7 @@ def _modes_table(result: Stability) -> Table:
             _numbers(mode.azimuthal_number for mode in same),
             _numbers(mode.wave_number for mode in same),
             _rate(max((mode.growth_rate for mode in same), key=abs)),
+            *([""] if bars else []),
             _rate(max((mode.frequency for mode in same), key=abs)),
             str(sum(mode.multiplicity for mode in same)),
             f"neutral: {kind}",

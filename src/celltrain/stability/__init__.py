@@ -10,6 +10,7 @@ from celltrain.stability.adjoint import (
 )
 from celltrain.stability.analysis import check_linearisable, neutral_space, stability
 from celltrain.stability.coordinates import NormedBlock, normed_block, normed_blocks
+from celltrain.stability.error_bars import check_count, with_error_bars
 from celltrain.stability.full_matrix import (
     Derivative,
     ExactDerivative,
@@ -17,12 +18,18 @@ from celltrain.stability.full_matrix import (
     full_matrix,
 )
 from celltrain.stability.infinite import (
+    NUMBERS,
     InfiniteTrain,
     WaveMode,
     distance_to_uniform,
     infinite_train,
 )
 from celltrain.stability.linearise import linear_blocks
+from celltrain.stability.neighbours import (
+    GrowthWithout,
+    blocks_without_neighbours,
+    growth_without_neighbours,
+)
 from celltrain.stability.norms import (
     NORMS,
     Norm,
@@ -31,6 +38,12 @@ from celltrain.stability.norms import (
     SurfaceNorm,
     paper_weights,
 )
+from celltrain.stability.parameter_sensitivity import (
+    ParameterSensitivities,
+    ParameterSensitivity,
+    parameter_sensitivities,
+    wave_sensitivities,
+)
 from celltrain.stability.pseudospectrum import (
     Kreiss,
     Pseudospectrum,
@@ -38,7 +51,7 @@ from celltrain.stability.pseudospectrum import (
     kreiss_constant,
     pseudospectrum,
 )
-from celltrain.stability.result import Mode, Stability, TransientMode
+from celltrain.stability.result import ErrorBar, Mode, Stability, TransientMode
 from celltrain.stability.spectrum import block_spectrum, numerical_abscissa
 from celltrain.stability.strain_norm import StrainNorm, second_variation
 from celltrain.stability.transient import (
@@ -53,10 +66,13 @@ from celltrain.stability.transient import (
 
 __all__ = [
     "NORMS",
+    "NUMBERS",
     "BlockGrowth",
     "Derivative",
+    "ErrorBar",
     "ExactDerivative",
     "FiniteDifference",
+    "GrowthWithout",
     "InfiniteTrain",
     "Kreiss",
     "Mode",
@@ -65,6 +81,8 @@ __all__ = [
     "OptimalDisturbance",
     "OrthonormalNorm",
     "PaperNorm",
+    "ParameterSensitivities",
+    "ParameterSensitivity",
     "Peak",
     "Pseudospectrum",
     "Stability",
@@ -77,10 +95,13 @@ __all__ = [
     "Window",
     "biorthogonality_error",
     "block_spectrum",
+    "blocks_without_neighbours",
+    "check_count",
     "check_linearisable",
     "condition_number",
     "distance_to_uniform",
     "full_matrix",
+    "growth_without_neighbours",
     "infinite_train",
     "kreiss_constant",
     "linear_blocks",
@@ -91,6 +112,7 @@ __all__ = [
     "numerical_abscissa",
     "optimal_disturbance",
     "paper_weights",
+    "parameter_sensitivities",
     "propagator_norm",
     "pseudospectrum",
     "receptivity",
@@ -98,4 +120,6 @@ __all__ = [
     "stability",
     "structural_sensitivity",
     "transient_growth",
+    "wave_sensitivities",
+    "with_error_bars",
 ]

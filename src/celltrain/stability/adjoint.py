@@ -18,6 +18,7 @@ part along the gradient of the volume, which makes it shorter but gives them the
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 from jaxtyping import Complex, Float
 
 from celltrain.harmonics import real_harmonics
@@ -53,6 +54,27 @@ class StructuralSensitivity:
     def integral(self) -> float:
         """Integral of the sensitivity over the sphere: 1 for a normal mode, more otherwise."""
         return float(np.trapezoid(2.0 * np.pi * np.sin(self.theta) * self.sensitivity, self.theta))
+
+    def to_dataset(self) -> xr.Dataset:
+        """The curves over theta as a data set with units, ready for netCDF."""
+
+        def curve(values: Meridian, unit: str, name: str) -> xr.Variable:
+            return xr.Variable("theta", values, {"long_name": name, "units": unit})
+
+        return xr.Dataset(
+            {
+                "membrane_radius": curve(
+                    self.radius, "r0", "distance of the membrane from the axis"
+                ),
+                "membrane_axial": curve(self.axial, "r0", "axial place of the membrane"),
+                "direct": curve(self.direct, "1", "size of the mode, |r|"),
+                "adjoint": curve(self.adjoint, "1", "size of the adjoint mode, |l|"),
+                "sensitivity": curve(
+                    self.sensitivity, "1", "structural sensitivity per solid angle"
+                ),
+            },
+            coords={"theta": ("theta", self.theta, {"units": "radian"})},
+        )
 
 
 def mode_vectors(

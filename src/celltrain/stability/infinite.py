@@ -12,8 +12,10 @@ vanishes as q does (`distance_to_uniform`; at D = 6, packing 0.2, M = 12: 0.005 
 that is set aside. For small q it is a wave of the cells' spacing with an eigenvalue close to 0
 (-3.5e-4 q^2 + 0.0012 i q in the same case): alpha_0(q) goes to 0 with q, alpha_0(0) is the next
 mode's. So an infinite train is never better than marginal: if nothing grows, the most unstable wave
-is the longest one looked at. Waves with 0 < q < 0.001 are not: the wall's equations for them lose
-digits as 1/q (relative errors of A_m(q): 1e-5 at q = 0.001, 1e-3 at 1e-5).
+is the longest one looked at. Waves with 0 < q < 0.001 are not: what the sums are cut off by makes
+fluid pass the wall, for which a wave of m = 0 makes up by an axial flow that grows as 1/q (relative
+errors of A_0(q) at the usual tolerance: 1e-5 at q = 0.001, 1e-3 at 1e-5; a hundredth of that at a
+tolerance of 1e-9). For m > 0 there is no such limit.
 
 Between the samples A_m(q) is a cubic spline, across q = 0 and pi by A_m(-q) = conj A_m(q). The best
 growth rate on it is found by a search in small steps and bounded optimisation; the dynamics there

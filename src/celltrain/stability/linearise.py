@@ -76,6 +76,11 @@ def _mirror_parity(degree: int, m: int) -> Int[np.ndarray, " member"]:
     return np.repeat([1, 1, -1 if m == 0 else 1], [even, rising, third])
 
 
+def _batch(directions: Directions) -> int:
+    """Directions at a time: of fewer than one batch, all, or whole batches would be compiled."""
+    return min(BATCH, directions.shape[0])
+
+
 @eqx.filter_jit
 def _fixed_part(
     operator: TrainOperator, shape: Float[Array, "3 coefficient"], directions: Directions
@@ -108,7 +113,7 @@ def _fixed_part(
         turned = jax.jvp(lambda s: operator.conserve_volume(s, rates), (shapes,), step)[1]
         return operator.project(velocity + carried)[0], force[0], turned[0]
 
-    return jax.lax.map(change, directions, batch_size=BATCH)
+    return jax.lax.map(change, directions, batch_size=_batch(directions))
 
 
 @eqx.filter_jit
@@ -129,11 +134,12 @@ def _wave_part(
         steps = (pair[0][None], pair[1][None])
         return operator.project(jax.jvp(outer, (shapes, forces), steps)[1])[0]
 
-    return jax.lax.map(change, (directions, force_changes), batch_size=BATCH)
+    pairs = (directions, force_changes)
+    return jax.lax.map(change, pairs, batch_size=_batch(directions))
 
 
 @eqx.filter_jit
-def _interior_part(
+def interior_action(
     operator: TrainOperator, shape: Float[Array, "3 coefficient"], directions: Directions
 ) -> Complex[Array, "direction 3 coefficient"]:
     """K u for motions u of each cell that change by exp(i q) from one cell to the next."""
@@ -143,7 +149,7 @@ def _interior_part(
     def flow(motion: Array) -> Array:
         return interior.apply(outer, motion[None])[0]
 
-    return jax.lax.map(flow, directions, batch_size=BATCH)
+    return jax.lax.map(flow, directions, batch_size=_batch(directions))
 
 
 @eqx.filter_jit
@@ -156,6 +162,22 @@ def _conserve(
         return operator.conserve_volume(shape[None], change[None])[0]
 
     return jax.vmap(one)(changes)
+
+
+def linear_action(
+    still: TrainOperator,
+    wave: TrainOperator,
+    shape: Float[Array, "3 coefficient"],
+    directions: Directions,
+) -> Complex[Array, "direction 3 coefficient"]:
+    """A(q) d for some directions d, at a viscosity ratio of 1 (see the module).
+
+    **Arguments:** the operators for disturbances alike in all cells (`still`) and for those that
+    change by exp(i q) (`wave`), for q = 0 also a quasi-periodic one.
+    """
+    fixed, force_changes, turned = _fixed_part(still, shape, directions)
+    changes = _wave_part(wave, shape, directions, force_changes)
+    return _conserve(wave, shape, fixed + changes) + turned
 
 
 def linear_blocks(
@@ -216,7 +238,7 @@ def linear_blocks(
             changes = _wave_part(operator, base, steps, force_changes)
             matrices = assembled(_conserve(operator, base, fixed + changes) + turned)
             if ratio != 1.0:
-                interior = assembled(_interior_part(operator, base, steps))
+                interior = assembled(interior_action(operator, base, steps))
         for m, matrix in matrices.items():
             if ratio != 1.0:
                 equation = 0.5 * (1.0 + ratio) * np.eye(len(matrix)) - (1.0 - ratio) * interior[m]

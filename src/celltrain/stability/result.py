@@ -31,6 +31,25 @@ class Mode:
 
 
 @dataclass(frozen=True)
+class ErrorBar:
+    """How much the eigenvalue of a mode may be wrong, in U/r0 (see `with_error_bars`).
+
+    `by_degree` is its change by four degrees more, `by_rules` that by finer grids, `overlap` how
+    well the mode was recognised there (1: the same vector). Not numbers if it was not.
+    """
+
+    mode: Mode
+    by_degree: float
+    by_rules: float
+    overlap: float
+
+    @property
+    def total(self) -> float:
+        """The bar: the eigenvalue lies within this distance, as far as it can be told."""
+        return self.by_degree + self.by_rules
+
+
+@dataclass(frozen=True)
 class TransientMode:
     """The disturbance that grows fastest at first (in the paper's norm), Eq. (15)."""
 
@@ -47,7 +66,8 @@ class Stability:
     Dictionaries are keyed by the azimuthal number m; arrays have one entry for each of the wave
     numbers j = 0 ... N/2. `spectral_abscissa` is the largest growth rate of a mode that is not
     neutral by symmetry; `error_estimate` how much two more degrees of the discretisation change
-    it. `numerical_abscissas` holds the numerical abscissa in every norm offered.
+    it. `numerical_abscissas` holds the numerical abscissa in every norm offered. `error_bars` are
+    those of the leading modes, if they were asked for.
     """
 
     base: Base
@@ -64,6 +84,20 @@ class Stability:
     error_estimate: float
     transient: TransientMode
     seconds: dict[str, float]
+    error_bars: tuple[ErrorBar, ...] = ()
+
+    @property
+    def growth_sign(self) -> int | None:
+        """Sign of the spectral abscissa, as far as the error bars allow one; 0 if they do not.
+
+        1 if a mode with a bar grows by more than its bar, -1 if all such modes decay by more than
+        theirs. None without bars.
+        """
+        if not self.error_bars:
+            return None
+        if any(bar.mode.growth_rate > bar.total for bar in self.error_bars):
+            return 1
+        return -1 if all(bar.mode.growth_rate < -bar.total for bar in self.error_bars) else 0
 
     @property
     def leading(self) -> Mode:

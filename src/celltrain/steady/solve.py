@@ -74,7 +74,7 @@ def steady(
     if estimate_error:
         with timed(seconds, "velocity_error"):
             shape = base.coefficients[None]
-            close = _comes_close(train, base.coefficients)
+            close = comes_close(train, base.coefficients)
             error = rates_error(train, shape, axisymmetric=True, close=close)
         base = replace(base, velocity_error=error)
     return base
@@ -89,7 +89,7 @@ def _find(
 ) -> tuple[Base, bool]:
     """The last state of the iteration, and whether it is steady."""
     system = steady_system(
-        train, close=start is not None and _comes_close(train, start.coefficients)
+        train, close=start is not None and comes_close(train, start.coefficients)
     )
     rest = np.asarray(system.operator.membrane.reference_shape)
     guess = rest if start is None else change_degree(start.coefficients, train.resolution.degree)
@@ -107,7 +107,7 @@ def _find(
         converged = residual < tolerance and volume_error < tolerance
         if converged and system.operator.tube.close is None:
             shape = np.asarray(system.shape(jnp.asarray(unknowns)))
-            if _comes_close(train, shape):
+            if comes_close(train, shape):
                 # The rules for cells at a distance have brought it near to the solution.
                 system = steady_system(train, close=True)
                 state = system.state(jnp.asarray(unknowns))
@@ -145,10 +145,11 @@ def _find(
     origin = "march from the resting shape"
     if start is not None:
         origin = f"continuation from {describe_change(start.train, train)}"
-    return _describe(system, train, unknowns, state, tuple(history), origin), converged
+    return describe(system, train, unknowns, state, tuple(history), origin), converged
 
 
-def _comes_close(train: Train, shape: Float[np.ndarray, "3 coefficient"]) -> bool:
+def comes_close(train: Train, shape: Float[np.ndarray, "3 coefficient"]) -> bool:
+    """Whether cells come so close to each other or the wall that their usual grids do not serve."""
     return clearance(shape, train.period, train.radius) < close_distance(train)
 
 
@@ -160,7 +161,7 @@ def _largest_move(system: SteadySystem, change: Float[np.ndarray, " unknown"]) -
     return moved if math.isfinite(moved) else math.inf
 
 
-def _describe(
+def describe(
     system: SteadySystem,
     train: Train,
     unknowns: Float[np.ndarray, " unknown"],
@@ -168,6 +169,7 @@ def _describe(
     history: tuple[Iteration, ...],
     origin: str,
 ) -> Base:
+    """The train with the given unknowns, its velocity's error not estimated."""
     shape = np.asarray(system.shape(jnp.asarray(unknowns)))
     return Base(
         train=train,

@@ -47,18 +47,24 @@ class SteadySystem(eqx.Module):
         """Unknowns of an axisymmetric shape."""
         return jnp.einsum("uik,ik->u", self.basis, shape)
 
+    def rates(
+        self, operator: TrainOperator, unknowns: Float[Array, " unknown"]
+    ) -> tuple[Float[Array, "3 coefficient"], tuple[Float[Array, "1 ring 1 3"], Float[Array, ""]]]:
+        """Rates of change of the shape; velocity on the target grid and effective viscosity."""
+        shapes = self.shape(unknowns)[None]
+        forces = operator.forces(shapes)
+        velocity = operator.surface_velocity(shapes, forces)
+        viscosity = operator.effective_viscosity(shapes, forces)
+        moved = operator.conserve_volume(shapes, operator.project(velocity))
+        return moved[0], (velocity, viscosity)
+
     @eqx.filter_jit
     def state(self, unknowns: Float[Array, " unknown"]) -> State:
         """Rates and their derivatives, all directions at once."""
         operator = self.operator
 
         def rates(unknowns: Array) -> tuple[Array, tuple[Array, Array]]:
-            shapes = self.shape(unknowns)[None]
-            forces = operator.forces(shapes)
-            velocity = operator.surface_velocity(shapes, forces)
-            viscosity = operator.effective_viscosity(shapes, forces)
-            moved = operator.conserve_volume(shapes, operator.project(velocity))
-            return moved[0], (velocity, viscosity)
+            return self.rates(operator, unknowns)
 
         def tangent(direction: Array) -> tuple[Array, Array, tuple[Array, Array]]:
             return jax.jvp(rates, (unknowns,), (direction,), has_aux=True)
@@ -100,10 +106,16 @@ def bordered_step(
     state: State, target_volume: float, time_step: float
 ) -> Float[np.ndarray, " unknown"]:
     """Change of the unknowns by one step of implicit Euler; Newton's step if it is infinite."""
+    matrix = bordered_matrix(state, time_step)
+    right = np.append(np.asarray(state.rates), target_volume - float(state.volume))
+    return np.linalg.solve(matrix, right)[:-1]
+
+
+def bordered_matrix(state: State, time_step: float) -> Float[np.ndarray, "size size"]:
+    """The matrix of a step of implicit Euler, or of Newton's method if the step is infinite."""
     jacobian = np.asarray(state.jacobian)
     size = len(jacobian)
     matrix = np.zeros((size + 1, size + 1))
     matrix[:size, :size] = np.eye(size) / time_step - jacobian
     matrix[:size, size] = matrix[size, :size] = np.asarray(state.volume_gradient)
-    right = np.append(np.asarray(state.rates), target_volume - float(state.volume))
-    return np.linalg.solve(matrix, right)[:size]
+    return matrix

@@ -18,13 +18,17 @@ from celltrain.train.operator import (
     train_membrane,
     train_operator,
 )
+from celltrain.train.variation import PARAMETERS, Variation, check_parameters, variation
 
 __all__ = [
+    "PARAMETERS",
     "TrainOperator",
+    "Variation",
     "area_vectors",
     "axisymmetric_basis",
     "azimuthal_basis",
     "azimuthal_families",
+    "check_parameters",
     "clearance",
     "close_distance",
     "largest_radius",
@@ -35,5 +39,6 @@ __all__ = [
     "streamwise_gap",
     "train_membrane",
     "train_operator",
+    "variation",
     "volume_gradient",
 ]

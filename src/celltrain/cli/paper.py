@@ -1,0 +1,75 @@
+"""The command for the paper's maps: ``celltrain paper``."""
+
+import json as json_
+import sys
+from contextlib import redirect_stdout
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+from rich.console import Console
+
+from celltrain.cli.arguments import Json, Quiet
+from celltrain.cli.compute import NOT_CONVERGED
+from celltrain.cli.study_run import Count, Retry, Run, Scheduler, compute
+from celltrain.paper import FIGURES, findings_table, paper_study
+from celltrain.results import replace_file
+from celltrain.study import save_dataset, study_dataset, table
+
+FigureName = Annotated[Literal["fig6", "fig8"], Parameter(help="Figure of the paper.")]
+Quick = Annotated[
+    bool, Parameter(help="A coarse grid at a low degree: the pattern in minutes.", negative=())
+]
+Folder = Annotated[
+    Path | None,
+    Parameter(
+        name=("--output", "-o"),
+        help="Folder for the results, made if it is not there; paper-STUDY unless given, which"
+        " figures of one study share. What it holds already is not computed again.",
+    ),
+]
+
+
+def paper(
+    figure: FigureName,
+    /,
+    *,
+    quick: Quick = False,
+    output: Folder = None,
+    workers: Count = None,
+    scheduler: Scheduler = None,
+    retry: Retry = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Compute or resume one of the paper's maps, draw it, and check what the paper says about it.
+
+    Exit status 3 if cases failed. A statement that does not hold is a result, no failure.
+    """
+    chosen = FIGURES[figure]
+    study = paper_study(chosen, quick=quick)
+    folder = output or Path(f"paper-{chosen.study}{'-quick' if quick else ''}")
+    run = Run(folder, workers, scheduler, retry, quiet)
+    errors = Console(stderr=True)
+    # Only the result itself may go to standard output.
+    with redirect_stdout(sys.stderr):
+        records = compute(study, run, errors)
+        data = study_dataset(study, records)
+        findings = chosen.findings(data)
+        text = findings_table(findings)
+        written = [save_dataset(data, folder / "study.nc")]
+        for name, content in (("table.md", table(study, records)), (f"{figure}.md", text)):
+            written.append(folder / name)
+            replace_file(written[-1], partial(Path.write_text, data=content))
+        written.append(chosen.draw(data, folder / f"{figure}.png"))
+        if not quiet:
+            for path in written:
+                errors.print(f"wrote {path}", highlight=False, markup=False, soft_wrap=True)
+    if json:
+        print(json_.dumps([asdict(finding) for finding in findings], indent=2))
+    else:
+        sys.stdout.write(text)
+    failed = any(record.status == "failed" for record in records.values())
+    return NOT_CONVERGED if failed else 0

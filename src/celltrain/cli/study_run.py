@@ -1,0 +1,151 @@
+"""The run of a study from the command line, with live progress: what sweeps and figures share."""
+
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.progress import Progress as Bar
+
+from celltrain.cli.arguments import Quiet
+from celltrain.cli.options import reader
+from celltrain.cli.outputs import check_folder
+from celltrain.parameters import CaseError
+from celltrain.study import (
+    Progress,
+    Record,
+    StabilityOfCase,
+    Study,
+    Workers,
+    WorkersLost,
+    local_workers,
+    run_study,
+    scheduled_workers,
+)
+
+# Cases take minutes, so the time left follows from the last hour.
+SPEED_PERIOD = 3600.0
+
+Count = Annotated[
+    int | None,
+    Parameter(
+        converter=reader(int, "allowed: a whole number >= 1"),
+        help="Processes of this machine; as many as it has processors unless given.",
+    ),
+]
+Scheduler = Annotated[
+    str | None,
+    Parameter(help="Address of a dask scheduler that runs already, such as tcp://node1:8786."),
+]
+Retry = Annotated[bool, Parameter(help="Compute failed cases again.", negative=())]
+
+
+@dataclass(frozen=True)
+class Run:
+    """How a study is run: where to, by what, and whether failed cases are computed again."""
+
+    folder: Path
+    workers: int | None = None
+    scheduler: str | None = None
+    retry: bool = False
+    quiet: Quiet = False
+
+
+def compute(study: Study, run: Run, errors: Console) -> dict[tuple[int, ...], Record]:
+    """Run or resume a study; returns the records by the cases' indices.
+
+    Raises:
+        CaseError: for workers or a folder that are not allowed.
+        WorkersLost, KeyboardInterrupt: with what is kept as the message.
+    """
+    if run.workers is not None and run.scheduler is not None:
+        raise CaseError("workers and scheduler are not allowed together: give one of them")
+    check_folder(run.folder, "output")
+    computation = StabilityOfCase(study.computed)
+    last: list[Progress] = []
+    try:
+        with _workers(run) as workers, _shown(study, errors, quiet=run.quiet) as show:
+
+            def tell(progress: Progress) -> None:
+                last[:] = [progress]
+                show(progress)
+
+            return run_study(
+                study,
+                run.folder.absolute(),
+                computation,
+                workers.executor,
+                workers.slots,
+                retry=run.retry,
+                progress=tell,
+            )
+    except (KeyboardInterrupt, WorkersLost) as stopped:
+        finished = last[0].finished if last else 0
+        kept = (
+            f"{finished} of {len(study.cases)} cases are finished and kept in {run.folder};"
+            " the same command goes on with the others"
+        )
+        if isinstance(stopped, WorkersLost):
+            raise WorkersLost(f"{stopped}; {kept}") from None
+        raise KeyboardInterrupt(kept) from None
+
+
+def _workers(run: Run) -> AbstractContextManager[Workers]:
+    return scheduled_workers(run.scheduler) if run.scheduler else local_workers(run.workers)
+
+
+@contextmanager
+def _shown(study: Study, errors: Console, *, quiet: bool) -> "Iterator[_Show]":
+    live = errors.is_terminal
+    bar = Bar(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[note]}"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        console=errors,
+        transient=True,
+        disable=quiet or not live,
+        speed_estimate_period=SPEED_PERIOD,
+    )
+    with bar:
+        yield _Show(study, bar, errors, lines=not quiet)
+
+
+class _Show:
+    """Shows where a study stands: a bar on a terminal, and a line for each case that ends."""
+
+    def __init__(self, study: Study, bar: Bar, errors: Console, *, lines: bool) -> None:
+        self._bar = bar
+        self._errors = errors
+        self._lines = lines
+        self._task = bar.add_task(study.title, total=len(study.cases), note="")
+
+    def __call__(self, progress: Progress) -> None:
+        done = progress.finished + progress.failed
+        note = f"{progress.failed} failed" if progress.failed else ""
+        self._bar.update(self._task, completed=done, note=note)
+        if not self._lines:
+            return
+        if progress.last is None:
+            self._print(f"{done} of {progress.total} cases were there already")
+            return
+        case, record = progress.last
+        alpha = record.values.get("spectral_abscissa")
+        result = f"failed: {record.reason}" if record.status == "failed" else f"alpha {alpha:.2e}"
+        self._print(f"{done}/{progress.total}  {case}: {result}")
+
+    def _print(self, line: str) -> None:
+        self._errors.print(line, highlight=False, markup=False, soft_wrap=True)

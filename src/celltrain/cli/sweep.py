@@ -1,0 +1,65 @@
+"""The command for studies: ``celltrain sweep``."""
+
+import json as json_
+import sys
+from contextlib import redirect_stdout
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.console import Console
+
+from celltrain.cli.arguments import Json, Quiet
+from celltrain.cli.compute import NOT_CONVERGED
+from celltrain.cli.study_run import Count, Retry, Run, Scheduler, compute
+from celltrain.pictures.study import draw_study
+from celltrain.results import replace_file
+from celltrain.study import read_study, save_dataset, study_dataset, table
+
+StudyFile = Annotated[Path, Parameter(help="TOML file of the study.")]
+Folder = Annotated[
+    Path | None,
+    Parameter(
+        name=("--output", "-o"),
+        help="Folder for the results, made if it is not there; named after the study file unless"
+        " given. What it holds already is not computed again.",
+    ),
+]
+
+
+def sweep(
+    study: StudyFile,
+    /,
+    *,
+    output: Folder = None,
+    workers: Count = None,
+    scheduler: Scheduler = None,
+    retry: Retry = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Run or resume a study: the stability of trains over ranges of their parameters.
+
+    Exit status 3 if cases failed; the table says why.
+    """
+    wanted = read_study(study)
+    folder = output or Path(study.stem)
+    run = Run(folder, workers, scheduler, retry, quiet)
+    errors = Console(stderr=True)
+    # Only the result itself may go to standard output.
+    with redirect_stdout(sys.stderr):
+        records = compute(wanted, run, errors)
+        data = study_dataset(wanted, records)
+        written = [save_dataset(data, folder / "study.nc"), folder / "table.md"]
+        text = table(wanted, records)
+        replace_file(written[1], lambda part: part.write_text(text))
+        written += draw_study(data, folder)
+        if not quiet:
+            for path in written:
+                errors.print(f"wrote {path}", highlight=False, markup=False, soft_wrap=True)
+    if json:
+        print(json_.dumps([record.model_dump() for record in records.values()], indent=2))
+    else:
+        sys.stdout.write(text)
+    failed = any(record.status == "failed" for record in records.values())
+    return NOT_CONVERGED if failed else 0

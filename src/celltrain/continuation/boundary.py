@@ -1,0 +1,188 @@
+"""The boundary of stability: the curve alpha(D, phi) = 0 of one mode.
+
+The growth rate alpha of a mode with azimuthal number m and wave number q is a function of the
+tube's diameter D and the packing phi, with an exact gradient (`wave_sensitivities`). Its zero is
+followed by its arclength in (D/D0, phi/phi0), D0 and phi0 those of the start; as one equation in
+two unknowns it needs no other treatment than a branch does. From one train to the next the mode is
+recognised by its overlap |<l, r>| with the adjoint mode before.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from celltrain.continuation.arclength import (
+    CurveLost,
+    Ending,
+    Evaluation,
+    NoSolution,
+    Steps,
+    Unknowns,
+    trace_curve,
+)
+from celltrain.parameters import CaseError
+from celltrain.stability import block_spectrum, check_linearisable, linear_blocks
+from celltrain.stability.analysis import neutral_space
+from celltrain.stability.infinite import WaveMode, check_waves
+from celltrain.stability.parameter_sensitivity import wave_sensitivities
+from celltrain.steady import Base, NotConverged, steady
+
+#: Growth rates of points on the boundary are below the tolerance, in U/r0.
+BOUNDARY_STEPS = Steps(first=0.02, largest=0.1, tolerance=1e-7)
+
+# The two parameters, in the order of the unknowns.
+PLANE = ("diameter", "packing")
+
+
+@dataclass(frozen=True)
+class BoundaryPoint:
+    """A train with a mode that neither grows nor decays.
+
+    `gradient` is (d alpha/dD, d alpha/d phi), which points into the unstable side.
+    """
+
+    base: Base
+    mode: WaveMode
+    gradient: Float[np.ndarray, "2"]
+
+    @property
+    def diameter(self) -> float:
+        """D, in r0."""
+        return self.base.train.tube.diameter
+
+    @property
+    def packing(self) -> float:
+        """The packing phi."""
+        return self.base.train.packing
+
+
+@dataclass(frozen=True)
+class StabilityBoundary:
+    """Points of the boundary in order, and why there are no more."""
+
+    points: tuple[BoundaryPoint, ...]
+    ending: Ending
+
+
+def stability_boundary(
+    start: Base,
+    *,
+    azimuthal_number: int,
+    wave_number: float,
+    towards: str = "diameter",
+    rising: bool = True,
+    most_points: int = 20,
+    steps: Steps = BOUNDARY_STEPS,
+    progress: Callable[[BoundaryPoint], None] | None = None,
+) -> StabilityBoundary:
+    """The curve on which a mode neither grows nor decays, from a train close to it.
+
+    What was found is kept when the curve ends early, also by an interruption.
+
+    **Arguments:**
+
+    - `azimuthal_number`, `wave_number`: m and q (radians per cell) of the mode; of all that have
+      them the leading one of the start is followed.
+    - `towards`, `rising`: to which side: that where "diameter" or "packing" rises, or falls.
+
+    **Raises:** `CaseError` for what is not allowed.
+    """
+    points: list[BoundaryPoint] = []
+    ending = Ending("enough", f"{most_points} points were found")
+    followed = follow_boundary(
+        start,
+        azimuthal_number=azimuthal_number,
+        wave_number=wave_number,
+        towards=towards,
+        rising=rising,
+        steps=steps,
+    )
+    try:
+        for point in followed:
+            points.append(point)
+            if progress is not None:
+                progress(point)
+            if len(points) >= most_points:
+                break
+    except CurveLost as failure:
+        ending = Ending("lost", str(failure))
+    except KeyboardInterrupt:
+        ending = Ending("interrupted", "interrupted")
+    return StabilityBoundary(tuple(points), ending)
+
+
+def follow_boundary(
+    start: Base,
+    *,
+    azimuthal_number: int,
+    wave_number: float,
+    towards: str = "diameter",
+    rising: bool = True,
+    steps: Steps = BOUNDARY_STEPS,
+) -> Iterator[BoundaryPoint]:
+    """The points of `stability_boundary` one by one, as they are found, without end.
+
+    **Raises:** `CaseError` as `stability_boundary` does; `CurveLost` when there is no way on.
+    """
+    check_linearisable(start.train, [azimuthal_number])
+    check_waves(np.array([wave_number]))
+    if towards not in PLANE:
+        raise CaseError(f"towards = {towards!r} is not allowed; allowed: {' or '.join(PLANE)}")
+    first = np.array([start.train.leaf(name) for name in PLANE])
+    direction = np.where(np.array(PLANE) == towards, 1.0 if rising else -1.0, 0.0)
+    leading = _modes(start, azimuthal_number, wave_number)[0]
+    known = BoundaryPoint(start, leading, np.zeros(2))
+
+    def evaluate(unknowns: Unknowns, near: BoundaryPoint) -> Evaluation[BoundaryPoint]:
+        point = _point(near, first * unknowns)
+        return Evaluation(
+            residual=np.array([point.mode.growth_rate]),
+            jacobian=(first * point.gradient)[None],
+            error=abs(point.mode.growth_rate),
+            state=point,
+        )
+
+    for point in trace_curve(evaluate, np.ones(2), direction, known, steps):
+        yield point.state
+
+
+def _point(near: BoundaryPoint, values: Float[np.ndarray, "2"]) -> BoundaryPoint:
+    """The train at some diameter and packing, with the mode that continues one nearby.
+
+    **Raises:** `NoSolution` if there is none.
+    """
+    changes = dict(zip(PLANE, map(float, values), strict=True))
+    try:
+        train = near.base.train.changed(**changes)
+        base = near.base
+        if train != base.train:
+            base = steady(train, start=base, estimate_error=False)
+    except (CaseError, NotConverged) as error:
+        raise NoSolution(str(error)) from None
+    before = near.mode
+    mode = max(
+        _modes(base, before.azimuthal_number, before.wave_number),
+        key=lambda each: _overlap(before.left, each.right),
+    )
+    found = wave_sensitivities(base, mode, parameters=PLANE)
+    gradient = np.array([found.entries[name].growth_rate for name in PLANE])
+    return BoundaryPoint(base, mode, gradient)
+
+
+def _modes(base: Base, m: int, q: float) -> list[WaveMode]:
+    """The modes of A_m(q) that are not neutral, by falling growth rate."""
+    block = linear_blocks(base.train, base.coefficients, np.array([q]), [m])[m][0]
+    spectrum = block_spectrum(block, neutral_space(base, m, 0 if q == 0.0 else 1))
+    return [
+        WaveMode(
+            float(value.real), float(value.imag), m, q, spectrum.right[:, i], spectrum.left[:, i]
+        )
+        for i, (value, kind) in enumerate(zip(spectrum.eigenvalues, spectrum.kinds, strict=True))
+        if not kind
+    ]
+
+
+def _overlap(left: Complex[np.ndarray, " size"], right: Complex[np.ndarray, " size"]) -> float:
+    return float(abs(left.conj() @ right) / np.linalg.norm(right))

@@ -1,0 +1,278 @@
+"""Branches of steady trains in one parameter, through folds.
+
+The unknowns are those of a steady train (see `steady.system`), one of its parameters p, and the
+multiplier c that takes the place of the equation which follows from the others; c = 0 in a
+solution. The curve of
+
+    F(a, p, c) = [ v(a, p) - c n,  V(a) - V0 ]
+
+is followed by its arclength in a/sqrt(4 pi) (r0) and p/p0, p0 its first value.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+
+from celltrain.continuation.arclength import (
+    CurveLost,
+    CurvePoint,
+    Ending,
+    Evaluation,
+    NoSolution,
+    Steps,
+    Unknowns,
+    trace_curve,
+)
+from celltrain.parameters import CaseError, Train
+from celltrain.stability import Stability
+from celltrain.steady import Base, NotConverged, steady
+from celltrain.steady.sensitivity import rates_by_parameters
+from celltrain.steady.solve import comes_close, describe
+from celltrain.steady.system import steady_system
+from celltrain.train import PARAMETERS, streamwise_gap, variation
+
+#: Parameters along which there are branches: steady trains do not depend on the viscosity ratio.
+ALONG = tuple(name for name in PARAMETERS if name != "viscosity_ratio")
+
+# A displacement by one r0 in the coefficients.
+UNIT = math.sqrt(4.0 * math.pi)
+
+Analysis = Callable[[Base], Stability]
+
+
+@dataclass(frozen=True)
+class BranchPoint:
+    """A steady train of a branch, with its linear dynamics if that was asked for.
+
+    `slope` is dp/d(arclength) relative to the first value of p; it changes its sign at a fold.
+    """
+
+    base: Base
+    value: float
+    slope: float
+    stability: Stability | None
+
+    @property
+    def growth_rate(self) -> float:
+        """Spectral abscissa, in U/r0; not a number if it was not computed."""
+        return math.nan if self.stability is None else self.stability.spectral_abscissa
+
+
+@dataclass(frozen=True)
+class Branch:
+    """The steady trains found along a branch, in order, and why there are no more."""
+
+    parameter: str
+    points: tuple[BranchPoint, ...]
+    ending: Ending
+
+    def to_dataset(self) -> xr.Dataset:
+        """Parameter, shapes and what is reported of each train, ready for netCDF."""
+        bases = [point.base for point in self.points]
+        columns = {
+            "cell_velocity": ("U", [base.cell_velocity for base in bases]),
+            "effective_viscosity": ("mu", [base.effective_viscosity for base in bases]),
+            "gap": ("r0", [base.gap for base in bases]),
+            "residual": ("U", [base.residual for base in bases]),
+            "slope": ("1", [point.slope for point in self.points]),
+            "growth_rate": ("U/r0", [point.growth_rate for point in self.points]),
+        }
+        data = {
+            name: xr.Variable("point", each, {"units": unit})
+            for name, (unit, each) in columns.items()
+        }
+        shapes = np.stack([base.coefficients for base in bases])
+        dims = ("point", "axis", "coefficient")
+        data["coefficients"] = xr.Variable(dims, shapes, {"units": "r0"})
+        return xr.Dataset(
+            data,
+            coords={self.parameter: ("point", [point.value for point in self.points])},
+            attrs={
+                "title": f"branch of steady trains along {self.parameter}",
+                "case": bases[0].train.to_toml(),
+                "ending": self.ending.message,
+            },
+        )
+
+    @property
+    def folds(self) -> tuple[int, ...]:
+        """Numbers of the points after which the parameter turns back."""
+        signs = np.sign([point.slope for point in self.points])
+        return tuple(int(i) for i in np.flatnonzero(signs[1:] * signs[:-1] < 0.0))
+
+
+def branch(
+    start: Base,
+    parameter: str,
+    *,
+    to: float,
+    steps: Steps | None = None,
+    analyse: Analysis | None = None,
+    most_points: int = 100,
+    progress: Callable[[BranchPoint], None] | None = None,
+) -> Branch:
+    """The branch of steady trains through a known one, up to a value of a parameter.
+
+    What was found is kept when the branch ends early, also by an interruption (`Branch.ending`).
+
+    **Arguments:**
+
+    - `parameter`: one of `ALONG`.
+    - `to`: its last value. A branch that turns back at a fold ends at the first value again.
+    - `steps`: how it is followed.
+    - `analyse`: from each steady train its linear dynamics, such as `stability`.
+    - `progress`: called with every point.
+
+    **Raises:** `CaseError` for a parameter or a value that is not allowed.
+    """
+    points: list[BranchPoint] = []
+    followed = follow_branch(start, parameter, to=to, steps=steps, analyse=analyse)
+    ending = Ending("enough", f"{most_points} points were found")
+    try:
+        for point in followed:
+            points.append(point)
+            if progress is not None:
+                progress(point)
+            if len(points) >= most_points:
+                break
+        else:
+            ending = Ending("reached", f"{parameter} = {to:g} is reached")
+            if points[-1].value != to:
+                ending = Ending("turned back", "the branch turned back to its first value")
+    except CurveLost as failure:
+        ending = Ending("lost", str(failure))
+    except KeyboardInterrupt:
+        ending = Ending("interrupted", "interrupted")
+    return Branch(parameter, tuple(points), ending)
+
+
+def follow_branch(
+    start: Base,
+    parameter: str,
+    *,
+    to: float,
+    steps: Steps | None = None,
+    analyse: Analysis | None = None,
+) -> Iterator[BranchPoint]:
+    """The points of `branch` one by one, as they are found.
+
+    **Raises:** `CaseError` as `branch` does; `CurveLost` when no further point is found.
+    """
+    first = check_branch(start.train, parameter, to)
+    steps = Steps() if steps is None else steps
+    problem = _equations(parameter, first)
+    base = start
+    for point in trace_curve(problem, _unknowns(start), _towards(start, to - first), start, steps):
+        value = first * float(point.unknowns[-2])
+        if (value - to) * (to - first) >= 0.0:
+            yield _last(base, parameter, to, point, steps, analyse)
+            return
+        if (value - first) * (to - first) < -1e-9 * first**2:
+            return
+        base = point.state
+        yield _point(base, value, point, analyse)
+
+
+def check_branch(train: Train, parameter: str, to: float) -> float:
+    """See to it that there can be such a branch; returns the first value of the parameter.
+
+    **Raises:** `CaseError` for what is not allowed.
+    """
+    if parameter not in ALONG:
+        raise CaseError(f"parameter = {parameter!r} is not allowed; allowed: {', '.join(ALONG)}")
+    first = float(train.leaf(parameter))
+    train.changed(**{parameter: to})
+    if to == first or first == 0.0:
+        raise CaseError(
+            f"to = {to:g} is not allowed: {parameter} is {first:g} at the start; allowed: another"
+            " value, with a first one that is not 0"
+        )
+    return first
+
+
+def _point(
+    base: Base, value: float, point: CurvePoint[Base], analyse: Analysis | None
+) -> BranchPoint:
+    found = None if analyse is None else analyse(base)
+    return BranchPoint(base, value, float(point.tangent[-2]), found)
+
+
+def _last(
+    base: Base,
+    parameter: str,
+    to: float,
+    point: CurvePoint[Base],
+    steps: Steps,
+    analyse: Analysis | None,
+) -> BranchPoint:
+    """The train at the last value itself, which the curve has just passed."""
+    try:
+        end = steady(
+            base.train.changed(**{parameter: to}),
+            start=base,
+            tolerance=steps.tolerance,
+            estimate_error=False,
+        )
+    except NotConverged as failure:
+        raise CurveLost(f"the last value is not reached: {failure}") from None
+    return _point(end, to, point, analyse)
+
+
+def _unknowns(base: Base) -> Unknowns:
+    system = steady_system(base.train, close=False)
+    shape = np.asarray(system.unknowns(jnp.asarray(base.coefficients)))
+    return np.concatenate([shape / UNIT, [1.0, 0.0]])
+
+
+def _towards(base: Base, sign: float) -> Unknowns:
+    direction = np.zeros_like(_unknowns(base))
+    direction[-2] = np.sign(sign)
+    return direction
+
+
+def _equations(parameter: str, first: float) -> Callable[[Unknowns, Base], Evaluation[Base]]:
+    """F, its derivatives, and the train that belongs to some unknowns."""
+
+    def evaluate(unknowns: Unknowns, near: Base) -> Evaluation[Base]:
+        value = first * float(unknowns[-2])
+        try:
+            train = near.train.changed(**{parameter: value})
+        except CaseError as error:
+            raise NoSolution(str(error)) from None
+        system = steady_system(train, close=comes_close(train, near.coefficients))
+        amounts = jnp.asarray(UNIT * unknowns[:-2])
+        if streamwise_gap(np.asarray(system.shape(amounts)), train.period) <= 0.0:
+            raise NoSolution("cells overlap")
+        state = system.state(amounts)
+        by_parameter = rates_by_parameters(
+            system, variation(system.operator, train), (parameter,), amounts
+        )[0]
+        rates, normal = np.asarray(state.rates), np.asarray(state.volume_gradient)
+        target = float(system.operator.membrane.volume(system.operator.membrane.reference_shape))
+        missing = float(state.volume) - target
+        size = len(rates)
+        jacobian = np.zeros((size + 1, size + 2))
+        jacobian[:size, :size] = UNIT * np.asarray(state.jacobian)
+        jacobian[:size, size] = first * by_parameter
+        jacobian[:size, size + 1] = -normal
+        jacobian[size, :size] = UNIT * normal
+        base = describe(
+            system,
+            train,
+            np.asarray(amounts),
+            state,
+            (),
+            f"branch along {parameter} from {first:g}",
+        )
+        return Evaluation(
+            residual=np.append(rates - unknowns[-1] * normal, missing),
+            jacobian=jacobian,
+            error=max(float(state.residual), abs(missing)),
+            state=base,
+        )
+
+    return evaluate

@@ -1,0 +1,126 @@
+"""The flow around the cells of a steady train, as seen from a cell (Fig. 7)."""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.integrate
+from jaxtyping import Bool, Float
+from matplotlib.path import Path as Outline
+
+from celltrain.steady import Base, fluid_velocity
+from celltrain.train import meridian
+
+RADIAL, AXIAL = 41, 81
+# Parts of the mean velocity below this are rest: what the velocity's rules leave (and see Fig. 7).
+AT_REST = 1e-4
+
+
+@dataclass(frozen=True)
+class MeridionalFlow:
+    """Flow in a half plane through the axis, in the frame in which the cells rest.
+
+    Attributes:
+        radius: distances from the axis, 0 to the wall, r0.
+        axial: positions along the tube over one period, the cell in its middle, r0.
+        velocity: radial and axial velocity, U.
+        stream_function: psi with u_z = (1/r) dpsi/dr, u_r = -(1/r) dpsi/dz, psi = 0 on the axis,
+            U r0^2.
+        inside: which points lie inside a cell; there the velocity is nothing.
+    """
+
+    radius: Float[np.ndarray, " radial"]
+    axial: Float[np.ndarray, " axial"]
+    velocity: Float[np.ndarray, "axial radial 2"]
+    stream_function: Float[np.ndarray, "axial radial"]
+    inside: Bool[np.ndarray, "axial radial"]
+
+
+@dataclass(frozen=True)
+class Recirculation:
+    """Where fluid turns between two cells, in the frame in which the cells rest.
+
+    Attributes:
+        stagnation_points: positions on the axis (r0, from the middle between two cells) at which
+            the fluid changes direction.
+        axis_velocity: velocity on the axis that is farthest from 0 between the cells, U. Positive:
+            fluid runs ahead of the cells there and turns back farther out.
+        strength: how much fluid turns around the axis: the largest stream function over that of
+            all fluid that passes the cells, |psi| at the wall; 0 if it is nowhere positive.
+        centre: distance from the axis and position (from the middle between two cells), r0, of
+            the point around which fluid turns; not numbers if there is none.
+    """
+
+    stagnation_points: tuple[float, ...]
+    axis_velocity: float
+    strength: float
+    centre: tuple[float, float]
+
+
+def meridional_flow(base: Base, *, radial: int = RADIAL, axial: int = AXIAL) -> MeridionalFlow:
+    """The flow around one cell of a steady train, on a grid of `axial` by `radial` points."""
+    period = base.train.period
+    radius = np.linspace(0.0, base.train.radius, radial)
+    z = np.linspace(-0.5, 0.5, axial) * period
+    height, across = np.meshgrid(z, radius, indexing="ij")
+    points = np.stack([across, np.zeros_like(across), height], axis=-1)
+    velocity = fluid_velocity(base, points.reshape(-1, 3)).reshape(points.shape)
+    relative = np.stack([velocity[..., 0], velocity[..., 2] - base.cell_velocity], axis=-1)
+    inside = inside_cells(base, across, height)
+    relative[inside] = 0.0
+    # At the wall the fluid rests exactly, and there is no flow across the axis.
+    relative[:, -1] = [0.0, -base.cell_velocity]
+    relative[:, 0, 0] = 0.0
+    stream = scipy.integrate.cumulative_simpson(relative[..., 1] * radius, x=radius, initial=0.0)
+    return MeridionalFlow(radius, z, relative, stream, inside)
+
+
+def inside_cells(
+    base: Base,
+    radius: Float[np.ndarray, "*points"],
+    axial: Float[np.ndarray, "*points"],
+) -> Bool[np.ndarray, "*points"]:
+    """Which points of a half plane through the axis lie inside a cell, neighbours included."""
+    half = np.stack(meridian(base.coefficients), axis=-1)
+    # With its mirror image, so that the axis is no edge.
+    outline = Outline(np.concatenate([half, half[::-1] * [-1.0, 1.0]]))
+    found = np.zeros(np.size(radius), dtype=bool)
+    for image in (-1, 0, 1):
+        moved = np.ravel(axial) - image * base.train.period
+        found |= outline.contains_points(np.stack([np.ravel(radius), moved], axis=-1))
+    return found.reshape(np.shape(radius))
+
+
+def recirculation(base: Base, flow: MeridionalFlow | None = None) -> Recirculation:
+    """What turns back between the cells of a steady train.
+
+    **Arguments:** `flow`: from `meridional_flow`, if it is known already.
+    """
+    flow = meridional_flow(base) if flow is None else flow
+    # From the middle between two cells on; the first and the last row are the same.
+    period = flow.axial[-1] - flow.axial[0]
+    place = np.mod(flow.axial[:-1], period) - 0.5 * period
+    order = np.argsort(place)
+    place = place[order]
+    inside = flow.inside[:-1][order]
+    on_axis = flow.velocity[:-1, 0, 1][order]
+    on_axis = np.where(inside[:, 0] | (np.abs(on_axis) < AT_REST), 0.0, on_axis)
+    known = np.flatnonzero(on_axis)
+    stagnation = tuple(
+        float(np.interp(0.0, sorted(on_axis[[a, b]]), place[[a, b]][np.argsort(on_axis[[a, b]])]))
+        for a, b in itertools.pairwise(known)
+        if on_axis[a] * on_axis[b] < 0.0
+    )
+    whole = float(np.abs(flow.stream_function[:, -1]).max())
+    stream = np.where(inside, -np.inf, flow.stream_function[:-1][order])
+    peak = np.unravel_index(np.argmax(stream), stream.shape)
+    strength = max(float(stream[peak]) / whole, 0.0)
+    turning = strength > AT_REST
+    return Recirculation(
+        stagnation_points=stagnation,
+        axis_velocity=float(on_axis[np.argmax(np.abs(on_axis))]),
+        strength=strength if turning else 0.0,
+        centre=(float(flow.radius[peak[1]]), float(place[peak[0]]))
+        if turning
+        else (np.nan, np.nan),
+    )

@@ -1,0 +1,36 @@
+"""Growth of a train with the coupling of near neighbours removed (Fig. 20)."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from celltrain.stability import GrowthWithout
+
+
+def draw_growth_without_neighbours(trains: dict[str, Sequence[GrowthWithout]], path: Path) -> Path:
+    """alpha~ over the number of neighbours removed on each side, a line for each named train.
+
+    The scale is logarithmic beyond a hundredth of the largest growth rate, so that decay shows.
+
+    **Raises:** `OSError` if the picture cannot be written.
+    """
+    figure = Figure(figsize=(5.6, 4.0), dpi=200, layout="constrained")
+    axes = figure.subplots()
+    for name, each in trains.items():
+        axes.plot(
+            [found.removed for found in each],
+            [found.spectral_abscissa for found in each],
+            "o-",
+            label=name,
+        )
+    largest = max(abs(found.spectral_abscissa) for each in trains.values() for found in each)
+    axes.set_yscale("symlog", linthresh=0.01 * largest)
+    axes.axhline(0.0, color="0.6", linewidth=0.8)
+    axes.set_xticks(sorted({found.removed for each in trains.values() for found in each}))
+    axes.set_xlabel("neighbours removed on each side")
+    axes.set_ylabel(r"largest growth rate $\tilde\alpha$ ($U/r_0$)")
+    axes.legend(fontsize=9, frameon=False)
+    axes.tick_params(direction="in", which="both", top=True, right=True)
+    figure.savefig(path)
+    return path

@@ -1,0 +1,108 @@
+"""A study's numbers over its axes: maps with contours, or curves."""
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+#: What is drawn of a study, and how the axis is called.
+DRAWN = {
+    "spectral_abscissa": r"$\alpha$  ($U/r_0$)",
+    "numerical_abscissa": r"$\eta$  ($U/r_0$)",
+    "gap": r"$\Delta$  ($r_0$)",
+    "effective_viscosity": r"$\mu_\mathrm{eff}/\mu$",
+}
+#: How axes of studies are called in pictures.
+LABELS = {
+    "diameter": r"$D/r_0$",
+    "packing": r"$\phi$",
+    "viscosity_ratio": r"$\lambda$",
+}
+# More curves than this are drawn as a map.
+MOST_CURVES = 4
+
+
+def draw_study(data: xr.Dataset, folder: Path) -> list[Path]:
+    """Draw each number of a study that matters into a folder; returns the files.
+
+    One picture for each pair of values of the third and further axes, side by side, would be many;
+    only studies with one or two axes of numbers are drawn.
+
+    Raises:
+        OSError: if a picture cannot be written.
+    """
+    names = [str(name) for name in data["spectral_abscissa"].dims]
+    if len(names) > 2 or any(data[name].dtype.kind not in "fi" for name in names):
+        return []
+    paths = []
+    for name, label in DRAWN.items():
+        values = data[name]
+        if not np.isfinite(values).any():
+            continue
+        figure = Figure(figsize=(6.0, 4.5), dpi=200, layout="constrained")
+        axes = figure.subplots()
+        if len(names) == 2 and min(values.shape) > MOST_CURVES:
+            draw_map(axes, values, label)
+        else:
+            draw_curves(
+                axes,
+                values,
+                label,
+                data.get("error_estimate") if name == "spectral_abscissa" else None,
+            )
+        path = folder / f"{name}.png"
+        figure.savefig(path)
+        paths.append(path)
+    return paths
+
+
+def draw_map(axes: Axes, values: xr.DataArray, label: str) -> None:
+    """Contours of a number over two axes, the last one to the right; failed cases are crosses."""
+    up, right = (str(name) for name in values.dims)
+    x, y = values[right].values, values[up].values
+    filled = axes.contourf(x, y, np.ma.masked_invalid(values.values), levels=12, cmap="viridis")
+    lines = axes.contour(
+        x, y, np.ma.masked_invalid(values.values), levels=filled.levels, colors="k", linewidths=0.4
+    )
+    axes.clabel(lines, fontsize=7)
+    mark_cases(axes, values)
+    axes.figure.colorbar(filled, ax=axes, label=label)
+    axes.set(xlabel=LABELS.get(right, right), ylabel=LABELS.get(up, up))
+
+
+def mark_cases(axes: Axes, values: xr.DataArray) -> None:
+    """A dot for each case with a number, a cross for each without."""
+    up, right = (str(name) for name in values.dims)
+    x, y = np.meshgrid(values[right].values, values[up].values)
+    known = np.isfinite(values.values)
+    axes.plot(x[known], y[known], "k.", markersize=2.5)
+    axes.plot(x[~known], y[~known], "rx", markersize=5)
+
+
+def draw_curves(axes: Axes, values: xr.DataArray, label: str, errors: xr.DataArray | None) -> None:
+    """Curves of a number over the longer axis, one for each value of the other, with error bars."""
+    names = sorted((str(name) for name in values.dims), key=lambda name: values.sizes[name])
+    right = names[-1]
+    others = names[:-1]
+    curves = values[others[0]].values if others else [None]
+    for value in curves:
+        chosen = {} if value is None else {others[0]: value}
+        curve = values.sel(chosen)
+        bars = None if errors is None else np.nan_to_num(errors.sel(chosen).values)
+        axes.errorbar(
+            curve[right].values,
+            curve.values,
+            bars,
+            fmt="o-",
+            markersize=3.5,
+            capsize=2,
+            label=None if value is None else f"{LABELS.get(others[0], others[0])} = {value:g}",
+        )
+    if others:
+        axes.legend(fontsize=9, frameon=False)
+    if (values < 0).any():
+        axes.axhline(0.0, color="0.6", linewidth=0.8)
+    axes.set(xlabel=LABELS.get(right, right), ylabel=label)
+    axes.tick_params(direction="in", top=True, right=True)

@@ -1,0 +1,100 @@
+"""What is done with each case of a study: its steady train, and the stability of that."""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import jax
+
+from celltrain.parameters import Train
+from celltrain.stability import Stability, stability
+from celltrain.steady import Base, NotConverged, steady
+from celltrain.study.definition import Computed
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What comes of a case: the steady train, to go on from, and numbers.
+
+    `values` are by their names among `STUDY_QUANTITIES`.
+    """
+
+    base: Base
+    values: dict[str, float]
+
+
+class Computation(Protocol):
+    """What is computed of a case; it travels to the workers."""
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What is computed, in what JSON can hold; other settings make other results."""
+
+    def __call__(self, train: Train, start: Base | None) -> Outcome:
+        """Compute a case, perhaps from another one's steady train.
+
+        Any exception is the case's failure, its message the reason.
+        """
+
+
+@dataclass(frozen=True)
+class StabilityOfCase:
+    """The steady train and its linear stability."""
+
+    computed: Computed
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """See `Computation`."""
+        return self.computed.model_dump()
+
+    def __call__(self, train: Train, start: Base | None) -> Outcome:
+        """See `Computation`.
+
+        **Raises:** `NotConverged` if no steady train was found.
+        """
+        try:
+            base = self._steady(train, start)
+            result = stability(base, estimate_error=self.computed.estimate_error)
+        finally:
+            # Sums of other sizes need other programs; all of them would fill the memory.
+            jax.clear_caches()
+        return Outcome(base, values_of(result))
+
+    def _steady(self, train: Train, start: Base | None) -> Base:
+        first, second = (None, start) if self.computed.start == "rest" else (start, None)
+        try:
+            return steady(train, start=first)
+        except NotConverged:
+            if start is None:
+                raise
+            return steady(train, start=second)
+
+
+def values_of(result: Stability) -> dict[str, float]:
+    """The numbers of a result that maps are made of, by their names among `STUDY_QUANTITIES`."""
+    base, leading, transient = result.base, result.leading, result.transient
+    # What a march of the axisymmetric train alone would reach has none that grow.
+    axisymmetric = (
+        mode.growth_rate
+        for mode in result.modes
+        if mode.azimuthal_number == 0 and mode.wave_number == 0 and not mode.neutral
+    )
+    return {
+        "cell_velocity": base.cell_velocity,
+        "gap": base.gap,
+        "largest_radius": base.largest_radius,
+        "effective_viscosity": base.effective_viscosity,
+        "residual": base.residual,
+        "truncation_error": base.truncation_error,
+        "velocity_error": base.velocity_error,
+        "spectral_abscissa": result.spectral_abscissa,
+        "error_estimate": result.error_estimate,
+        "leading_azimuthal_number": float(leading.azimuthal_number),
+        "leading_wave_number": float(leading.wave_number),
+        "leading_frequency": leading.frequency,
+        "axisymmetric_growth_rate": max(axisymmetric),
+        "numerical_abscissa": result.numerical_abscissa,
+        "transient_azimuthal_number": float(transient.azimuthal_number),
+        "transient_wave_number": float(transient.wave_number),
+        "case_seconds": result.seconds["total"],
+    }

@@ -1,0 +1,164 @@
+"""The run of a study: which case is computed when, from where, and what becomes of it.
+
+Cases go to any executor, one for each of its slots at a time, so that where a case may start from
+is decided as late as possible. Workers write their results themselves: what is finished outlives
+whoever asked for it.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from dataclasses import dataclass
+from pathlib import Path
+
+from celltrain.parameters import Train
+from celltrain.steady import Base
+from celltrain.study.computation import Computation
+from celltrain.study.definition import Case, Study
+from celltrain.study.store import Record, Store
+
+#: How often a case is tried whose worker dies, before it counts as failed.
+TRIES = 2
+# Seconds after which to look for new slots while no case ends.
+LOOK_AGAIN = 2.0
+
+
+class WorkersLost(RuntimeError):
+    """Nothing computes any more: the scheduler has gone. What is finished is kept."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where the run of a study stands; `last` is the case that has just ended, if any."""
+
+    finished: int
+    failed: int
+    running: int
+    total: int
+    last: tuple[Case, Record] | None = None
+
+
+def compute_case(
+    computation: Computation, folder: Path, train: Train, start: Train | None
+) -> Record:
+    """Compute a case and keep what comes of it, in a worker; `start` is a finished case."""
+    store = Store(folder, computation.settings)
+    try:
+        base = None if start is None else _readable_base(store, start)
+        return store.finish(train, computation(train, base))
+    except Exception as error:
+        return store.fail(train, f"{type(error).__name__}: {error}")
+
+
+def _readable_base(store: Store, train: Train) -> Base | None:
+    """The steady train of a case, if somebody has not removed it meanwhile."""
+    try:
+        return store.base(train)
+    except (OSError, ValueError):
+        return None
+
+
+def run_study(
+    study: Study,
+    folder: Path,
+    computation: Computation,
+    executor: Executor,
+    slots: Callable[[], int],
+    *,
+    retry: bool = False,
+    progress: Callable[[Progress], None] | None = None,
+) -> dict[tuple[int, ...], Record]:
+    """Compute the cases of a study that the folder has no result of.
+
+    **Arguments:**
+
+    - `folder`: where the results are; it must exist, and workers must see it by the same name.
+    - `executor`, `slots`: what computes, and how many cases at a time.
+    - `retry`: compute failed cases again.
+    - `progress`: called at the start, and whenever a case ends.
+
+    **Returns:** the records by the cases' indices.
+
+    **Raises:** `WorkersLost` if the executor gives up; `OSError` if the folder cannot be written.
+    """
+    store = Store(folder, computation.settings)
+    records: dict[tuple[int, ...], Record] = {}
+    pending: list[Case] = []
+    for case in study.cases:
+        store.tidy(case.train)
+        record = store.record(case.train)
+        if record is None or (retry and record.status == "failed"):
+            pending.append(case)
+        else:
+            records[case.index] = record
+    finished = [
+        case
+        for case in study.cases
+        if case.index in records and records[case.index].status == "finished"
+    ]
+    running: dict[Future[Record], Case] = {}
+    tries: Counter[tuple[int, ...]] = Counter()
+
+    def tell(last: tuple[Case, Record] | None = None) -> None:
+        if progress is not None:
+            failed = sum(record.status == "failed" for record in records.values())
+            ready = len(records) - failed
+            progress(Progress(ready, failed, len(running), len(study.cases), last))
+
+    tell()
+    while pending or running:
+        while pending and len(running) < max(1, slots()):
+            case, start = choose(study, pending, finished, list(running.values()))
+            pending.remove(case)
+            future = executor.submit(
+                compute_case, computation, folder, case.train, start.train if start else None
+            )
+            running[future] = case
+        done, _ = wait(running, timeout=LOOK_AGAIN, return_when=FIRST_COMPLETED)
+        for future in done:
+            case = running.pop(future)
+            tries[case.index] += 1
+            record = _settle(store, case, future, last=tries[case.index] >= TRIES)
+            if record is None:
+                pending.append(case)
+                continue
+            records[case.index] = record
+            if record.status == "finished":
+                finished.append(case)
+            tell((case, record))
+    return records
+
+
+def _settle(store: Store, case: Case, future: "Future[Record]", *, last: bool) -> Record | None:
+    """The record of a case that has ended; None if its worker did, and this try is not the last."""
+    try:
+        return future.result()
+    except CancelledError:
+        raise WorkersLost("the scheduler of the workers was lost") from None
+    except Exception as error:
+        # A case that fails says so itself; this is the end of the process that computed it, which
+        # may have had nothing to do with it.
+        reason = f"its worker died in {TRIES} tries ({type(error).__name__}): {error}"
+        return store.fail(case.train, reason) if last else None
+
+
+def choose(
+    study: Study, pending: Sequence[Case], finished: Sequence[Case], running: Sequence[Case]
+) -> tuple[Case, Case | None]:
+    """The next case, and the finished one to start from, if any.
+
+    It is the pending case nearest to a finished one; before any is finished, the one farthest from
+    those that run, so that they spread.
+    """
+    if finished:
+        _, case, start = min(
+            ((study.distance(one, other), one, other) for one in pending for other in finished),
+            key=lambda each: each[0],
+        )
+        return case, start
+    if not running:
+        return pending[0], None
+    return (
+        max(pending, key=lambda one: min(study.distance(one, other) for other in running)),
+        None,
+    )

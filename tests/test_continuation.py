@@ -1,0 +1,199 @@
+"""Curves through folds, branches of steady trains, and the boundary of stability."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose
+
+from celltrain import Base, CaseError, steady
+from celltrain.cli import analyses, main
+from celltrain.cli import branch as command
+from celltrain.continuation import (
+    Branch,
+    BranchPoint,
+    CurveLost,
+    CurvePoint,
+    Ending,
+    Evaluation,
+    NoSolution,
+    Steps,
+    branch,
+    trace_curve,
+)
+
+STEPS = Steps(first=0.1, largest=0.2, tolerance=1e-10)
+
+
+def circle(unknowns: np.ndarray, _: None) -> Evaluation[None]:
+    """x^2 + y^2 + z^2 = 1 and z = x/2, an ellipse in the plane of x and y."""
+    x, y, z = unknowns
+    residual = np.array([x * x + y * y + z * z - 1.0, z - 0.5 * x])
+    jacobian = np.array([[2 * x, 2 * y, 2 * z], [-0.5, 0.0, 1.0]])
+    return Evaluation(residual, jacobian, float(np.abs(residual).max()), None)
+
+
+def followed(count: int, direction: list[float]) -> list[CurvePoint[None]]:
+    start = np.array([0.2, 1.1, 0.0])
+    points = trace_curve(circle, start, np.array(direction), None, STEPS)
+    return [point for point, _ in zip(points, range(count), strict=False)]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_curve_is_followed_through_its_folds(sign: float) -> None:
+    points = followed(60, [sign, 0.0, 0.0])
+    places = np.stack([point.unknowns for point in points])
+    for place in places:
+        assert np.abs(circle(place, None).residual).max() < 1e-10
+    # Round and round: each coordinate rises and falls again, and neighbours are a step apart.
+    assert np.sign(points[0].tangent[0]) == sign
+    turned = np.unwrap(np.arctan2(places[:, 1], places[:, 0]))
+    assert (np.diff(turned) * -sign > 0.0).all()
+    assert abs(turned[-1] - turned[0]) > 2 * np.pi
+    apart = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    steps = np.array([point.step for point in points[1:]])
+    assert_allclose(apart, steps, rtol=2e-2)
+    assert steps.max() <= STEPS.largest
+    for point in points:
+        assert_allclose(circle(point.unknowns, None).jacobian @ point.tangent, 0.0, atol=1e-10)
+        assert_allclose(np.linalg.norm(point.tangent), 1.0, rtol=1e-12)
+
+
+def test_a_curve_that_ends_is_followed_to_its_end() -> None:
+    def half(unknowns: np.ndarray, state: None) -> Evaluation[None]:
+        if unknowns[0] > 0.5:
+            raise NoSolution("beyond the end")
+        return circle(unknowns, state)
+
+    curve = trace_curve(half, np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]), None, STEPS)
+    found: list[float] = []
+    with pytest.raises(CurveLost, match=r"shorter than 0.0001"):
+        found.extend(point.unknowns[0] for point in curve)
+    assert (np.diff(found) > 0.0).all()
+    assert_allclose(found[-1], 0.5, atol=1e-3)
+
+
+def test_no_solution_nearby_is_told() -> None:
+    def none(unknowns: np.ndarray, _: None) -> Evaluation[None]:
+        residual = np.array([1.0 + float(unknowns @ unknowns)])
+        return Evaluation(residual, 2.0 * unknowns[None], float(residual[0]), None)
+
+    with pytest.raises(CurveLost, match="near the start"):
+        next(trace_curve(none, np.ones(2), np.ones(2), None, STEPS))
+
+
+@pytest.fixture(scope="module")
+def single(coarse_base: Base) -> Base:
+    return replace(coarse_base, train=coarse_base.train.changed(cells=1))
+
+
+def test_a_branch_consists_of_steady_trains(single: Base) -> None:
+    found = branch(single, "shear_modulus", to=1.6, steps=Steps(first=0.1, largest=0.15))
+    assert found.ending.kind == "reached"
+    values = [point.value for point in found.points]
+    first = single.train.cell.shear_modulus
+    assert len(values) >= 4
+    assert (np.diff(values) > 0.0).all()
+    assert_allclose([values[0], values[-1]], [first, 1.6], rtol=1e-14)
+    assert found.folds == ()
+    for point in found.points:
+        assert point.base.residual < 1e-9
+        assert point.base.train == single.train.changed(shear_modulus=point.value)
+    inside = found.points[2].base
+    again = steady(inside.train, start=single, estimate_error=False)
+    assert_allclose(inside.coefficients, again.coefficients, rtol=0, atol=1e-8)
+    assert_allclose(inside.cell_velocity, again.cell_velocity, rtol=0, atol=1e-9)
+    assert abs(again.cell_velocity - single.cell_velocity) > 1e-4
+
+
+def test_what_was_found_of_a_branch_is_kept(single: Base) -> None:
+    seen: list[BranchPoint] = []
+
+    def interrupt(point: BranchPoint) -> None:
+        seen.append(point)
+        if len(seen) == 2:
+            raise KeyboardInterrupt
+
+    found = branch(single, "packing", to=0.28, steps=Steps(first=0.02), progress=interrupt)
+    assert found.ending.kind == "interrupted"
+    assert found.points == tuple(seen)
+    assert seen[1].value < seen[0].value == 0.3
+    one = branch(single, "packing", to=0.28, steps=Steps(first=0.02), most_points=1)
+    assert one.ending.kind == "enough"
+
+
+def test_branches_that_are_refused(single: Base) -> None:
+    with pytest.raises(CaseError, match=r"parameter = 'viscosity_ratio'.*diameter, packing"):
+        branch(single, "viscosity_ratio", to=2.0)
+    with pytest.raises(CaseError, match="parameter = 'cells'"):
+        branch(single, "cells", to=2.0)
+    with pytest.raises(CaseError, match="packing = 2"):
+        branch(single, "packing", to=2.0)
+    with pytest.raises(CaseError, match=r"to = 0.3 is not allowed"):
+        branch(single, "packing", to=0.3)
+
+
+@pytest.fixture(scope="module")
+def made_up(single: Base) -> Branch:
+    """A branch with a fold, of trains that nobody computed."""
+    values, slopes = [1.2, 1.4, 1.5, 1.3], [1.0, 0.5, -0.3, -1.0]
+    points = tuple(
+        BranchPoint(replace(single, cell_velocity=1.5 + 0.1 * i), value, slope, None)
+        for i, (value, slope) in enumerate(zip(values, slopes, strict=True))
+    )
+    return Branch("shear_modulus", points, Ending("lost", "the step became too short"))
+
+
+def test_command(
+    made_up: Branch,
+    single: Base,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    asked: list[tuple[float, float]] = []
+
+    def found(base: Base, along: str, *, to: float, **_: object) -> Branch:
+        asked.append((base.train.leaf(along), to))
+        return made_up
+
+    monkeypatch.setattr(analyses, "steady", lambda train, **_: replace(single, train=train))
+    monkeypatch.setattr(command, "follow", found)
+    case = ["branch", "--diameter", "6", "--packing", "0.3", "--degree", "6", "--quiet"]
+    along = ["--along", "shear_modulus", "--from", "1.25", "--to", "1.5"]
+    path = tmp_path / "branch.nc"
+    files = ["-o", str(path), "--plot", str(tmp_path)]
+    # What there is of the branch is kept; the status says that it could not be followed further.
+    assert main([*case, *along, *files, "--json"]) == 3
+    content = json.loads(capsys.readouterr().out)
+    assert asked == [(1.25, 1.5)]
+    assert content["values"] == [point.value for point in made_up.points]
+    assert content["folds"] == [1]
+    assert content["ending"] == {"kind": "lost", "message": "the step became too short"}
+    with xr.open_dataset(path, engine="h5netcdf") as data:
+        assert_allclose(data["shear_modulus"], content["values"], rtol=0)
+        assert_allclose(data["cell_velocity"], content["cell_velocities"], rtol=0)
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["branch.nc", "branch.png"]
+    assert main([*case, *along]) == 3
+    printed = capsys.readouterr().out
+    assert "fold" in printed
+    assert "the step became too short" in printed
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--along", "cells", "--to", "2"], "parameter = 'cells' is not allowed"),
+        (["--along", "packing", "--to", "1.2"], "packing = 1.2"),
+        (["--along", "packing", "--from", "0.3", "--to", "0.3"], "to = 0.3 is not allowed"),
+        (["--along", "packing", "--from", "-1", "--to", "0.3"], "packing = -1"),
+    ],
+)
+def test_command_refuses(
+    arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["branch", "--diameter", "6", "--packing", "0.2", *arguments]) == 2
+    assert words in capsys.readouterr().err

@@ -1,0 +1,64 @@
+"""The wall's response to waves much longer than the tube is wide, and its change with the wave."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from celltrain.flow import TubeWall, tube_wall
+from celltrain.flow.wall import _axial_response, _uniform_response
+
+RADIUS = 3.0
+NODES = np.array([0.1, 0.9, 1.7, 2.4, 2.95])
+
+
+@pytest.mark.parametrize("m", [1, -2, 3, 20])
+def test_long_waves_do_what_uniform_flow_does(m: int) -> None:
+    uniform = _uniform_response(m, RADIUS, NODES)
+    for k in (1e-3, -1e-5, 1e-8):
+        found = _axial_response(m, k, RADIUS, NODES)
+        # They differ in first order of k R.
+        assert_allclose(found, uniform, rtol=0, atol=1.0 * abs(k) * RADIUS + 1e-12)
+
+
+@pytest.mark.parametrize("k", [1e-4, -1e-6, 1e-9])
+def test_a_long_wave_through_the_wall_drives_poiseuille_flow(k: float) -> None:
+    # The flux 2 pi R u_r through the wall is that which changes along the tube.
+    found = _axial_response(0, k, RADIUS, NODES)
+    profile = 4.0 / (k * RADIUS) * (1.0 - (NODES / RADIUS) ** 2)
+    assert_allclose(found[2, 0], profile, rtol=1e-6)
+    assert_allclose(found[1, 1], NODES / RADIUS, rtol=1e-6)
+    assert_allclose(found[2, 2], 2.0 * (NODES / RADIUS) ** 2 - 1.0, rtol=0, atol=1e-6)
+
+
+def wall(radius: float, period: float) -> TubeWall:
+    return tube_wall(radius, period, gap=1.6, tolerance=1e-7, phase=0.4)
+
+
+def test_the_response_varies_as_differences_say() -> None:
+    here = wall(RADIUS, 4.0)
+    slope = here.response_slope()
+    size = np.abs(slope).max()
+
+    def error(step: float) -> float:
+        ahead, behind = (wall(RADIUS, 4.0 * np.exp(s)).response for s in (-step, step))
+        return float(np.abs((ahead - behind) / (2.0 * step) - slope).max())
+
+    # The differences' own error is of second order.
+    errors = error(1e-2), error(5e-3)
+    assert errors[1] < 1e-3 * size
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.02)
+
+
+def test_a_resized_wall_is_one_of_that_size_to_first_order() -> None:
+    here = wall(RADIUS, 4.0)
+    slope = jnp.asarray(here.response_slope())
+
+    def error(part: float) -> float:
+        radius, period = RADIUS * (1.0 + part), 4.0 * (1.0 - 0.5 * part)
+        resized = here.resized(jnp.asarray(radius), jnp.asarray(period), slope)
+        assert_allclose(resized.points(), wall(radius, period).points(), rtol=1e-14)
+        return float(np.abs(resized.response - wall(radius, period).response).max())
+
+    assert error(0.0) == 0.0
+    assert error(2e-3) / error(1e-3) == pytest.approx(4.0, rel=0.02)

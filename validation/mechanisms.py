@@ -1,0 +1,222 @@
+"""What destabilises a train: strain energy, spectra, neighbours, streamlines (Figs. 7, 10, 20)."""
+
+import math
+from typing import Any
+
+import numpy as np
+from page import FOLDER, Page, plain_figure
+
+from celltrain import Stability, Train, stability, steady
+from celltrain.diagnostics import (
+    deformation_spectrum,
+    meridional_flow,
+    perturbation_energy,
+    recirculation,
+)
+from celltrain.pictures import draw_growth_without_neighbours, draw_streamlines
+from celltrain.stability import growth_without_neighbours
+
+CELLS = 8
+# W_alpha, and W_eta as a sum and by shear, dilatation and bending, of Table I, by (D/r0, packing).
+TABLE = {
+    (6, 0.2): (1.13e-2, 2.48, 0.43, 2.01, 0.04),
+    (6, 0.7): (4.29e-3, 2.42, 0.74, 1.52, 0.16),
+    (10, 0.2): (9.16e-3, 1.95, 0.59, 1.31, 0.05),
+    (10, 0.7): (3.95e-3, 4.91, 0.43, 4.25, 0.23),
+}
+# From mean energies in mu U r0^2 to the sum over the cells in mu U* r0^2, U* = U/10.
+TO_TABLE = 10.0 * CELLS
+STREAMLINES = (0.3, 0.5, 0.7)
+
+
+def trains() -> dict[tuple[int, float], Stability]:
+    """The four trains of Table I."""
+    found = {}
+    for diameter in (6, 10):
+        base = None
+        for packing in (0.2, 0.5, 0.7):
+            train = Train(diameter=diameter, packing=packing, cells=CELLS)
+            base = steady(train, start=base, estimate_error=False)
+            if (diameter, packing) in TABLE:
+                found[diameter, packing] = stability(base, estimate_error=False)
+    return found
+
+
+def study() -> None:
+    page = Page("mechanisms", "Mechanisms")
+    page.text(
+        f"""
+N = {CELLS}, default resolution (M = 12), viscosity ratio 1; v_alpha is the fastest growing mode,
+v_eta the disturbance that grows fastest at first in the norm of Eq. (8). Rates in U/r0; those that
+the paper prints are ten times as large.
+"""
+    )
+    results = trains()
+    page.log("trains")
+    energies(page, results)
+    spectra(page, results)
+    neighbours(page, results)
+    streamlines(page)
+    page.write()
+
+
+def energies(page: Page, results: dict[tuple[int, float], Stability]) -> None:
+    """Table I."""
+    page.heading("Strain energy of disturbances (Table I)")
+    page.text(
+        """
+W of Eq. (24) at eps = 1e-3, summed over the cells, in mu U* r0^2 with U* = U/10: the unit in which
+the two tables are nearest (geometric mean of the eight ratios below; the average over the cells
+would be eight times smaller, mu U r0^2 ten times). v_alpha of a disturbance that is the same in all
+cells has an energy of first order in eps, whose sign is arbitrary; here it is not (m > 0 or q > 0).
+"""
+    )
+    rows, ratios = [], []
+    for (diameter, packing), expected in TABLE.items():
+        result = results[diameter, packing]
+        leading = TO_TABLE * perturbation_energy(result.base, result.shape(result.leading))
+        abrupt = TO_TABLE * perturbation_energy(result.base, result.transient_shape())
+        found = (leading.sum(), abrupt.sum(), *abrupt)
+        ratios += [found[0] / expected[0], found[1] / expected[1]]
+        rows.append(
+            (
+                diameter,
+                packing,
+                *(f"{f:.3g} ({e:.3g})" for f, e in zip(found, expected, strict=True)),
+            )
+        )
+    page.table(
+        ("D/r0", "packing", "W_alpha (paper)", "W_eta", "shear", "dilatation", "bending"), rows
+    )
+    mean = math.exp(float(np.mean(np.log(np.abs(ratios)))))
+    spread = math.exp(float(np.std(np.log(np.abs(ratios)))))
+    page.text(
+        f"""
+Ratio of ours to the paper's for the sums: {mean:.2f} in the geometric mean, within a factor of
+{spread:.1f} (one standard deviation). W_eta depends on the fastest of all disturbances, which the
+degree of the discretisation cuts off (see the page on convergence), so it cannot agree closely.
+"""
+    )
+    strainless = all(
+        perturbation_energy(each.base, each.shape(each.leading)).sum()
+        < 0.05 * perturbation_energy(each.base, each.transient_shape()).sum()
+        for each in results.values()
+    )
+    ordered = all(
+        parts[1] > parts[0] > parts[2]
+        for parts in (perturbation_energy(r.base, r.transient_shape()) for r in results.values())
+    )
+    page.table(
+        ("the paper says", "holds"),
+        [
+            ("v_alpha is nearly free of strain beside v_eta", _yes(strainless)),
+            ("of W_eta dilatation is the largest part, bending the smallest", _yes(ordered)),
+        ],
+    )
+
+
+def spectra(page: Page, results: dict[tuple[int, float], Stability]) -> None:
+    """Fig. 10."""
+    page.heading("Spectra of the disturbances (Fig. 10)")
+    rows = []
+    figure = plain_figure()
+    axes = figure.subplots()
+    for color, ((diameter, packing), result) in zip(
+        ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), results.items(), strict=True
+    ):
+        shares = []
+        for shape, style in (
+            (result.shape(result.leading), "o-"),
+            (result.transient_shape(), "s--"),
+        ):
+            spectrum = deformation_spectrum(shape)
+            spectrum = spectrum / spectrum.sum()
+            shares.append(spectrum[len(spectrum) // 2 :].sum())
+            axes.semilogy(spectrum, style, color=color, markersize=3)
+        axes.plot([], [], color=color, label=f"D = {diameter}, packing {packing:g}")
+        rows.append(
+            (diameter, packing, *(f"{share:.1e}" for share in shares), _yes(shares[0] < shares[1]))
+        )
+    page.table(
+        ("D/r0", "packing", "share of n >= M/2 in v_alpha", "in v_eta", "v_alpha decays faster"),
+        rows,
+    )
+    axes.set(xlabel="degree $n$", ylabel="$E_n$ (Eq. 16), sum 1")
+    axes.legend(fontsize=8)
+    page.figure(figure, "Spectra of v_alpha (full lines) and v_eta (dashed)")
+
+
+def neighbours(page: Page, results: dict[tuple[int, float], Stability]) -> None:
+    """Fig. 20."""
+    page.heading("Without near neighbours (Eq. 22, Fig. 20)")
+    curves = {
+        key: [growth_without_neighbours(result, removed) for removed in range(CELLS // 2 + 1)]
+        for key, result in results.items()
+    }
+    page.table(
+        ("D/r0", "packing", *(f"{removed} removed" for removed in range(CELLS // 2 + 1))),
+        [
+            (
+                *key,
+                *(f"{each.spectral_abscissa:.2e} (m = {each.azimuthal_number})" for each in found),
+            )
+            for key, found in curves.items()
+        ],
+    )
+    rows = []
+    for key, found in curves.items():
+        first, second = (each.spectral_abscissa for each in found[:2])
+        factor = "stable" if second <= 0.0 else f"{first / second:.3g}"
+        stated = "up to 1000 over the paper's range of v and Ca" if key[1] == 0.7 else "1.4"
+        rows.append((*key, factor, stated))
+    page.table(("D/r0", "packing", "alpha falls by the first neighbours' removal", "paper"), rows)
+    path = FOLDER / "mechanisms-neighbours.png"
+    draw_growth_without_neighbours(
+        {f"D = {d}, packing {phi:g}": found for (d, phi), found in curves.items()}, path
+    )
+    page.parts.append(f"![Growth without near neighbours]({path.name})")
+
+
+def streamlines(page: Page) -> None:
+    """Fig. 7."""
+    page.heading("Streamlines in the frame of the cells (Fig. 7)")
+    rows: list[tuple[Any, ...]] = []
+    base = None
+    for packing in STREAMLINES:
+        train = Train(diameter=6, packing=packing, cells=CELLS)
+        base = steady(train, start=base, estimate_error=False)
+        flow = meridional_flow(base)
+        found = recirculation(base, flow)
+        page.log(f"streamlines at packing {packing:g}")
+        path = FOLDER / f"mechanisms-streamlines-{round(10 * packing):02d}.png"
+        draw_streamlines(base, flow, path)
+        page.parts.append(f"![Streamlines at packing {packing:g}]({path.name})")
+        rows.append(
+            (
+                packing,
+                f"{found.axis_velocity:+.2e}",
+                len(found.stagnation_points),
+                f"{found.strength:.1e}",
+                f"{found.centre[0]:.2f}, {found.centre[1]:+.2f}",
+            )
+        )
+    page.table(
+        (
+            "packing",
+            "velocity on the axis between cells, U",
+            "points of rest there",
+            "turning fluid over passing",
+            "its centre (r, z from the middle)",
+        ),
+        rows,
+    )
+    page.text(
+        """
+The paper: for packings up to 0.4 the regions that turn back join on the centre line; between 0.4
+and 0.55 the fluid nearly rests there; from 0.6 on it turns in small regions beside the cells only.
+"""
+    )
+
+
+def _yes(holds: bool) -> str:
+    return "yes" if holds else "NO"
