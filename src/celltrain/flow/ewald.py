@@ -18,10 +18,8 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
-from numpy.polynomial import chebyshev
-from scipy.special import erfcx
 
-import celltrain.runtime  # noqa: F401
+from celltrain.compiled.scaled_erfc import SCALED_ERFC, SCALED_ERFC_MIDDLE
 
 
 class EwaldSplit(eqx.Module):
@@ -43,28 +41,15 @@ def ewald_split(cutoff: float, tolerance: float) -> EwaldSplit:
     return EwaldSplit(parameter, cutoff, 2.0 * parameter * decay)
 
 
-def _scaled_erfc_polynomial(degree: int, middle: float) -> list[float]:
-    """Coefficients, highest first, of exp(x^2) erfc(x) as a polynomial in (x - c)/(x + c)."""
-    nodes = chebyshev.chebpts1(400)
-    values = erfcx(middle * (1.0 + nodes) / (1.0 - nodes))
-    fitted = chebyshev.cheb2poly(chebyshev.chebfit(nodes, values, degree))
-    return [float(each) for each in fitted[::-1]]
-
-
-# Relative error 1e-13. One exponential then serves both erfc and the Gaussian.
-_MIDDLE = 3.0
-_SCALED_ERFC = _scaled_erfc_polynomial(18, _MIDDLE)
-
-
 def _near_parts(
     square: Float[Array, "..."], parameter: float
 ) -> tuple[Float[Array, "..."], Float[Array, "..."], Float[Array, "..."]]:
     """E = erfc(xi r)/r, h = 2 xi/sqrt(pi) exp(-xi^2 r^2), and 1/r^2."""
     inverse = jax.lax.rsqrt(square)
     scaled = parameter * (square * inverse)
-    mapped = 1.0 - (2.0 * _MIDDLE) / (scaled + _MIDDLE)
-    polynomial = jnp.full_like(mapped, _SCALED_ERFC[0])
-    for coefficient in _SCALED_ERFC[1:]:
+    mapped = 1.0 - (2.0 * SCALED_ERFC_MIDDLE) / (scaled + SCALED_ERFC_MIDDLE)
+    polynomial = jnp.full_like(mapped, SCALED_ERFC[0])
+    for coefficient in SCALED_ERFC[1:]:
         polynomial = polynomial * mapped + coefficient
     gauss = jnp.exp(-(parameter**2) * square)
     return (

@@ -4,7 +4,9 @@ Targets come in chunks, sources in blocks of a cell's points. The sum runs over 
 chunk and an axial image of a block whose bounding boxes are within the kernel's range, so the cost
 follows the number of near pairs and no array holds more than one chunk times one block.
 
-The derivative of the force's sum is given in closed form: with D_k G the derivative of the kernel,
+The sums themselves are compiled loops (`compiled.near_loops`); the formulas here are what they
+compute, and give their derivatives. That of the force's sum is in closed form: with D_k G the
+derivative of the kernel,
 
     d sum_s G(x - y_s) f_s = sum_s G df_s - sum_s (D_k G f_s) (dy_sk - dx_k),
 
@@ -14,10 +16,12 @@ two dense matrices per chunk and block, so that many directions at once are matr
 import math
 from functools import partial
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from celltrain.compiled import FORCE_PAIRS, STRESSLET_PAIRS
 from celltrain.flow.ewald import near_scalars, near_slopes, near_stress_scalars
 from celltrain.flow.sources import UNFOLD, Sources
 
@@ -162,23 +166,86 @@ def near_sum(
     own = jnp.repeat(owners, chunks)[:, None] == cells
     near = near & ~(own & (shifts == 0)[:, None, None])
     pairs = jnp.nonzero(near.ravel(), size=near.size, fill_value=0)[0]
+    listed = Listed(pairs, jnp.sum(near), cells, images, keep)
+    summed = pair_sums(parameter, padded, points, forces, dyads, jnp.asarray(period), listed)
+    return summed.reshape(shifts.size, groups, chunks * CHUNK, 3)[:, :, :count]
+
+
+class Listed(eqx.Module):
+    """The first `count` of `pairs`, each the flat number of an image, a chunk and a block.
+
+    `cells` are the blocks' cells. Where `keep` is false, a cell's contribution is left out.
+    """
+
+    pairs: Int[Array, " pair"]
+    count: Int[Array, ""]
+    cells: Int[Array, " block"]
+    images: int = eqx.field(static=True)
+    keep: Bool[Array, "image chunk target cell"] | None = None
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0,))
+def pair_sums(
+    parameter: float,
+    targets: Float[Array, "chunk target 3"],
+    points: Float[Array, "block source 3"],
+    forces: Float[Array, "block source 3"] | None,
+    stresslets: Float[Array, "block source 6"] | None,
+    period: Float[Array, ""],
+    listed: Listed,
+) -> Float[Array, "image chunk target 3"]:
+    """Sums over the listed pairs, by compiled loops; derivatives are those of the formulas."""
+    shape = (2 * listed.images + 1, *targets.shape)
+    keep = jnp.zeros(0, dtype=bool) if listed.keep is None else listed.keep
+    places = (listed.pairs, listed.count, listed.cells, keep, jnp.stack([parameter, period]))
+    total = jnp.zeros(shape)
+    for name, strengths in ((FORCE_PAIRS, forces), (STRESSLET_PAIRS, stresslets)):
+        if strengths is not None:
+            call = jax.ffi.ffi_call(
+                name, jax.ShapeDtypeStruct(shape, float), vmap_method="sequential"
+            )
+            by_part = (jnp.swapaxes(each, 1, 2) for each in (points, strengths))
+            total = total + call(targets, *by_part, *places)
+    return total
+
+
+@pair_sums.defjvp
+def _pair_sums_jvp(parameter, primals, tangents):  # type: ignore[no-untyped-def]
+    *inputs, listed = primals
+    formula = partial(_pair_sums_formula, parameter, listed)
+    _, moved = jax.jvp(formula, tuple(inputs), tuple(tangents[:-1]))
+    return pair_sums(parameter, *inputs, listed), moved
+
+
+def _pair_sums_formula(
+    parameter: float,
+    listed: Listed,
+    targets: Array,
+    points: Array,
+    forces: Array | None,
+    stresslets: Array | None,
+    period: Array,
+) -> Array:
+    """What `pair_sums` computes, one pair of a chunk and a block after the other."""
+    images, keep = listed.images, listed.keep
+    along = jnp.array([0.0, 0.0, 1.0]) * period
+    shape = (2 * images + 1, targets.shape[0], points.shape[0])
 
     def add(number: Array, total: Array) -> Array:
-        image, chunk, block = jnp.unravel_index(pairs[number], near.shape)
-        here = padded[chunk] - shifts[image] * along
+        image, chunk, block = jnp.unravel_index(listed.pairs[number], shape)
+        here = targets[chunk] - (image - images) * along
         here, block_points = jax.lax.optimization_barrier((here, points[block]))
         part = jnp.zeros_like(here)
         if forces is not None:
             part = part + block_sum(here, block_points, forces[block], parameter)
-        if dyads is not None:
-            part = part + stresslet_block_sum(here, block_points, dyads[block], parameter)
+        if stresslets is not None:
+            part = part + stresslet_block_sum(here, block_points, stresslets[block], parameter)
         if keep is not None:
-            part = jnp.where(keep[image, chunk, :, cells[block], None], part, 0.0)
+            part = jnp.where(keep[image, chunk, :, listed.cells[block], None], part, 0.0)
         return total.at[image, chunk].add(part)
 
-    start = jnp.zeros((shifts.size, *padded.shape))
-    summed = jax.lax.fori_loop(0, jnp.sum(near), add, start)
-    return summed.reshape(shifts.size, groups, chunks * CHUNK, 3)[:, :, :count]
+    start = jnp.zeros((shape[0], *targets.shape))
+    return jax.lax.fori_loop(0, listed.count, add, start)
 
 
 def _in_blocks(sources: Sources, name: str) -> Float[Array, "block source part"] | None:

@@ -1,0 +1,219 @@
+"""Compiled loops over the pairs of a target and a source point: the near kernels.
+
+The same sums as the formulas in `flow.near` and `flow.own_surface`, but five to seven times as fast
+as XLA's code for these: one pass over the pairs, and no arrays over them. They have no derivatives
+of their own.
+"""
+
+import math
+from typing import Any
+
+from numba import cfunc, njit
+
+from celltrain.compiled.call_frame import (
+    HANDLER,
+    describe,
+    flags,
+    integers,
+    is_question,
+    numbers,
+    register,
+    result,
+    sizes,
+)
+from celltrain.compiled.scaled_erfc import SCALED_ERFC, SCALED_ERFC_MIDDLE
+
+# Names under which XLA finds the loops.
+FORCE_PAIRS, STRESSLET_PAIRS, OWN_FORCE = (
+    f"celltrain_{name}" for name in ("force_pairs", "stresslet_pairs", "own_force")
+)
+
+# Sums may be taken in any order; numbers that are none stay none.
+_FAST = {"contract", "reassoc", "nsz", "arcp"}
+# exp(-x) is the 64th power of exp(-x/64), by its series about the middle of 0 <= x <= 40, beyond
+# which it is nothing.
+_LARGEST, _MIDDLE = 40.0, 40.0 / 128.0
+_SERIES = tuple(math.exp(-_MIDDLE) * (-1.0) ** k / math.factorial(k) for k in range(12))
+_ERFC, _ERFC_MIDDLE = tuple(SCALED_ERFC[::-1]), SCALED_ERFC_MIDDLE
+_GAUSS = 2.0 / math.sqrt(math.pi)
+
+
+@njit(fastmath=_FAST, inline="always", error_model="numpy")
+def _exponential(x: float) -> float:
+    """exp(-x) for x >= 0, to 1e-13."""
+    z = (x if x < _LARGEST else _LARGEST) * (1.0 / 64.0) - _MIDDLE
+    c, z2 = _SERIES, z * z
+    z4 = z2 * z2
+    low = (c[0] + c[1] * z) + (c[2] + c[3] * z) * z2
+    middle = (c[4] + c[5] * z) + (c[6] + c[7] * z) * z2
+    high = (c[8] + c[9] * z) + (c[10] + c[11] * z) * z2
+    power = low + (middle + high * z4) * z4
+    power *= power
+    power *= power
+    power *= power
+    power *= power
+    power *= power
+    return power * power
+
+
+@njit(fastmath=_FAST, inline="always", error_model="numpy")
+def _near_parts(square: float, xi: float) -> tuple[float, float, float]:
+    """erfc(xi r)/r, 2 xi/sqrt(pi) exp(-xi^2 r^2) and 1/r^2, from r^2."""
+    root = math.sqrt(square)
+    inverse, scaled = 1.0 / root, xi * root
+    x = 1.0 - (2.0 * _ERFC_MIDDLE) / (scaled + _ERFC_MIDDLE)
+    c, x2 = _ERFC, x * x
+    x4 = x2 * x2
+    x8 = x4 * x4
+    lowest = (c[0] + c[1] * x) + (c[2] + c[3] * x) * x2
+    low = (c[4] + c[5] * x) + (c[6] + c[7] * x) * x2
+    high = (c[8] + c[9] * x) + (c[10] + c[11] * x) * x2
+    highest = (c[12] + c[13] * x) + (c[14] + c[15] * x) * x2
+    rest = (c[16] + c[17] * x) + c[18] * x2
+    polynomial = lowest + low * x4 + (high + highest * x4 + rest * x8) * x8
+    gauss = _exponential(scaled * scaled)
+    return polynomial * gauss * inverse, _GAUSS * xi * gauss, inverse * inverse
+
+
+@njit(fastmath=_FAST, inline="always", error_model="numpy")
+def _force_pair(square: float, along: float, xi: float) -> tuple[float, float]:
+    """A, and C (d.f), of the velocity A f + C (d.f) d."""
+    screened, gauss, inverse_square = _near_parts(square, xi)
+    return screened - gauss, (screened + gauss) * inverse_square * along
+
+
+@njit(fastmath=_FAST, error_model="numpy")
+def _force_block(x: float, y: float, z: float, points: Any, forces: Any, xi: float) -> Any:
+    """Velocity at one target by a block of sources [3, source]."""
+    u = v = w = 0.0
+    for s in range(points.shape[1]):
+        dx, dy, dz = x - points[0, s], y - points[1, s], z - points[2, s]
+        fx, fy, fz = forces[0, s], forces[1, s], forces[2, s]
+        isotropic, scaled = _force_pair(
+            dx * dx + dy * dy + dz * dz, dx * fx + dy * fy + dz * fz, xi
+        )
+        u += isotropic * fx + scaled * dx
+        v += isotropic * fy + scaled * dy
+        w += isotropic * fz + scaled * dz
+    return u, v, w
+
+
+@njit(fastmath=_FAST, error_model="numpy")
+def _stresslet_block(x: float, y: float, z: float, points: Any, dyads: Any, xi: float) -> Any:
+    """Velocity T_near(y - x)_ijk D_jk/2 at one target by a block of sources, D as [6, source]."""
+    u = v = w = 0.0
+    for s in range(points.shape[1]):
+        dx, dy, dz = x - points[0, s], y - points[1, s], z - points[2, s]
+        xx, xy, xz = dyads[0, s], dyads[1, s], dyads[2, s]
+        yy, yz, zz = dyads[3, s], dyads[4, s], dyads[5, s]
+        screened, gauss, inverse_square = _near_parts(dx * dx + dy * dy + dz * dz, xi)
+        linear = 2.0 * xi * xi * gauss
+        core = (screened + gauss) * inverse_square
+        cubic = -2.0 * (3.0 * core + linear) * inverse_square
+        tx = xx * dx + xy * dy + xz * dz
+        ty = xy * dx + yy * dy + yz * dz
+        tz = xz * dx + yz * dy + zz * dz
+        scaled = 0.5 * (linear * (xx + yy + zz) + cubic * (tx * dx + ty * dy + tz * dz))
+        u -= scaled * dx + linear * tx
+        v -= scaled * dy + linear * ty
+        w -= scaled * dz + linear * tz
+    return u, v, w
+
+
+def _pair_loop(block: Any) -> Any:
+    """The loop over the listed pairs of a chunk of targets and an image of a block of sources.
+
+    Arguments as in `flow.near.pair_sums`.
+    """
+
+    @njit(error_model="numpy")
+    def loop(frame: int) -> None:
+        chunks, size, _ = sizes(frame, 0)
+        blocks, _, count = sizes(frame, 1)
+        parts = sizes(frame, 2)[1]
+        targets = numbers(frame, 0).reshape((chunks, size, 3))
+        points = numbers(frame, 1).reshape((blocks, 3, count))
+        strengths = numbers(frame, 2).reshape((blocks, parts, count))
+        pairs, listed, cells = integers(frame, 3), integers(frame, 4)[0], integers(frame, 5)
+        keep = flags(frame, 6)
+        xi, period = numbers(frame, 7)
+        sums = result(frame)
+        sums[:] = 0.0
+        images = sums.size // (chunks * size * 3)
+        by_image = sums.reshape((images, chunks, size, 3))
+        kept = keep.size // (images * chunks * size)
+        for number in range(listed):
+            rest, b = divmod(pairs[number], blocks)
+            image, chunk = divmod(rest, chunks)
+            shift = (image - images // 2) * period
+            for t in range(size):
+                if kept > 0:
+                    place = ((image * chunks + chunk) * size + t) * kept + cells[b]
+                    if keep[place] == 0:
+                        continue
+                x, y, z = targets[chunk, t]
+                u, v, w = block(x, y, z - shift, points[b], strengths[b], xi)
+                by_image[image, chunk, t, 0] += u
+                by_image[image, chunk, t, 1] += v
+                by_image[image, chunk, t, 2] += w
+
+    return loop
+
+
+_force_pairs, _stresslet_pairs = _pair_loop(_force_block), _pair_loop(_stresslet_block)
+
+
+@cfunc(HANDLER, cache=True)
+def _force_pairs_handler(frame: int) -> int:
+    if is_question(frame):
+        return describe(frame)
+    _force_pairs(frame)
+    return 0
+
+
+@cfunc(HANDLER, cache=True)
+def _stresslet_pairs_handler(frame: int) -> int:
+    if is_question(frame):
+        return describe(frame)
+    _stresslet_pairs(frame)
+    return 0
+
+
+@njit(fastmath=_FAST, error_model="numpy")
+def _own_force(
+    x: float, y: float, z: float, points: Any, forces: Any, place: int, weights: Any, xi: float
+) -> Any:
+    u = v = w = 0.0
+    for s in range(weights.size):
+        dx, dy, dz = x - points[0, place, s], y - points[1, place, s], z - points[2, place, s]
+        weight = weights[s]
+        fx, fy, fz = forces[0, place, s], forces[1, place, s], forces[2, place, s]
+        isotropic, scaled = _force_pair(
+            dx * dx + dy * dy + dz * dz, dx * fx + dy * fy + dz * fz, xi
+        )
+        u += weight * (isotropic * fx + scaled * dx)
+        v += weight * (isotropic * fy + scaled * dy)
+        w += weight * (isotropic * fz + scaled * dz)
+    return u, v, w
+
+
+@cfunc(HANDLER, cache=True)
+def _own_force_handler(frame: int) -> int:
+    if is_question(frame):
+        return describe(frame)
+    weights, xi = numbers(frame, 2), numbers(frame, 3)[0]
+    targets = numbers(frame, 0).reshape((-1, 3))
+    values = numbers(frame, 1).reshape((6, targets.shape[0], weights.size))
+    sums = result(frame).reshape((-1, 3))
+    for t in range(targets.shape[0]):
+        x, y, z = targets[t]
+        sums[t] = _own_force(x, y, z, values[:3], values[3:], t, weights, xi)
+    return 0
+
+
+for _name, _handler in (
+    (FORCE_PAIRS, _force_pairs_handler),
+    (STRESSLET_PAIRS, _stresslet_pairs_handler),
+    (OWN_FORCE, _own_force_handler),
+):
+    register(_name, _handler)
