@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from itertools import chain, repeat
 from pathlib import Path
 
 import numpy as np
@@ -214,13 +215,23 @@ def test_reasons_to_stop(single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert run.times.tolist() == [0.0]
 
     with monkeypatch.context() as patched:
-        met = iter([None, None, None, "cell 0 and cell 1 overlap"])
+        # At the beginning and after two steps all is well; then even the shortest step is too long.
+        met = chain([None] * 3, repeat("cell 0 and cell 1 overlap"))
         patched.setattr(march, "overlap", lambda train, shapes: next(met))
-        patched.setattr(march, "OVERLAP_INTERVAL", 0.0)
         run = evolve(single, DISTURBANCE, until=1.0, path=tmp_path / "run.nc")
     assert run.ending.kind == "overlap"
     assert "cell 0 and cell 1 overlap" in run.ending.message
     assert Run.load(tmp_path / "run.nc").state.steps == 3
+    assert run.history["size"][-1] < 1e-3
+
+    with monkeypatch.context() as patched:
+        met = chain([None] * 2, ["cell 0 and cell 1 overlap"], repeat(None))
+        patched.setattr(march, "overlap", lambda train, shapes: next(met))
+        again = evolve(single, DISTURBANCE, until=1.0, most_steps=3)
+    assert again.ending.kind == "steps"
+    assert again.state.rejected == 1
+    whole = evolve(single, DISTURBANCE, until=1.0, most_steps=3)
+    assert again.history["size"][2] == pytest.approx(0.25 * whole.history["size"][2])
 
     rates, left = Dynamics.rates, [30]
 

@@ -12,8 +12,9 @@ from PIL import Image
 
 from celltrain.membrane import reference_coefficients
 from celltrain.parameters import CaseError, Train
+from celltrain.pictures import evolution
 from celltrain.pictures.animation import animate
-from celltrain.pictures.evolution import Growth, draw_snapshots, make_stage, plot_growth
+from celltrain.pictures.evolution import WIDE, Growth, draw_snapshots, make_stage, plot_growth
 from celltrain.pictures.paraview import PolyData, closed_rings, export_paraview, write_poly_data
 from celltrain.train import place_cells
 
@@ -225,14 +226,23 @@ def test_growth_is_drawn(train: Train, tmp_path: Path) -> None:
         plot_growth(train, Growth(times, size[1:]), tmp_path / "i.png")
 
 
-def test_snapshots_are_drawn(train: Train, shapes: np.ndarray, tmp_path: Path) -> None:
+def test_snapshots_are_drawn(
+    train: Train, shapes: np.ndarray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     times = np.array([0.0, 2.5])
     one = size_of(draw_snapshots(train, times[:1], shapes[:1], tmp_path / "one.png"))
     both = size_of(
         draw_snapshots(train, times, shapes, tmp_path / "both.png", velocities=0.1 * shapes[..., 0])
     )
+    # This tube is short and wide: two of them make a row, of half the height.
+    assert make_stage(train, shapes).ratio > WIDE
     assert both[0] == one[0]
-    assert both[1] > 1.6 * one[1]
+    assert 0.5 * one[1] < both[1] < one[1]
+    # Of a long tube each has a row of its own.
+    monkeypatch.setattr(evolution, "WIDE", np.inf)
+    below = size_of(draw_snapshots(train, times, shapes, tmp_path / "below.png"))
+    assert below[0] == one[0]
+    assert below[1] > 1.6 * one[1]
 
 
 def test_cells_that_leave_downstream_enter_upstream(train: Train, shapes: np.ndarray) -> None:

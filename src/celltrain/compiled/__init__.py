@@ -1,5 +1,5 @@
 """Loops compiled by Numba that XLA calls: sums over pairs, which XLA's own code does slowly."""
 
-from celltrain.compiled.near_loops import FORCE_PAIRS, OWN_FORCE, STRESSLET_PAIRS
+from celltrain.compiled.near_loops import FORCE_PAIRS, NODE_FORCES, STRESSLET_PAIRS
 
-__all__ = ["FORCE_PAIRS", "OWN_FORCE", "STRESSLET_PAIRS"]
+__all__ = ["FORCE_PAIRS", "NODE_FORCES", "STRESSLET_PAIRS"]

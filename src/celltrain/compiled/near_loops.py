@@ -24,8 +24,8 @@ from celltrain.compiled.call_frame import (
 from celltrain.compiled.scaled_erfc import SCALED_ERFC, SCALED_ERFC_MIDDLE
 
 # Names under which XLA finds the loops.
-FORCE_PAIRS, STRESSLET_PAIRS, OWN_FORCE = (
-    f"celltrain_{name}" for name in ("force_pairs", "stresslet_pairs", "own_force")
+FORCE_PAIRS, STRESSLET_PAIRS, NODE_FORCES = (
+    f"celltrain_{name}" for name in ("force_pairs", "stresslet_pairs", "node_forces")
 )
 
 # Sums may be taken in any order; numbers that are none stay none.
@@ -180,7 +180,7 @@ def _stresslet_pairs_handler(frame: int) -> int:
 
 
 @njit(fastmath=_FAST, error_model="numpy")
-def _own_force(
+def _node_forces(
     x: float, y: float, z: float, points: Any, forces: Any, place: int, weights: Any, xi: float
 ) -> Any:
     u = v = w = 0.0
@@ -198,7 +198,7 @@ def _own_force(
 
 
 @cfunc(HANDLER, cache=True)
-def _own_force_handler(frame: int) -> int:
+def _node_forces_handler(frame: int) -> int:
     if is_question(frame):
         return describe(frame)
     weights, xi = numbers(frame, 2), numbers(frame, 3)[0]
@@ -207,13 +207,13 @@ def _own_force_handler(frame: int) -> int:
     sums = result(frame).reshape((-1, 3))
     for t in range(targets.shape[0]):
         x, y, z = targets[t]
-        sums[t] = _own_force(x, y, z, values[:3], values[3:], t, weights, xi)
+        sums[t] = _node_forces(x, y, z, values[:3], values[3:], t, weights, xi)
     return 0
 
 
 for _name, _handler in (
     (FORCE_PAIRS, _force_pairs_handler),
     (STRESSLET_PAIRS, _stresslet_pairs_handler),
-    (OWN_FORCE, _own_force_handler),
+    (NODE_FORCES, _node_forces_handler),
 ):
     register(_name, _handler)

@@ -61,6 +61,15 @@ class Integrator(abc.ABC):
         **Raises:** `StepFailed`.
         """
 
+    @property
+    def retries(self) -> bool:
+        """Whether a step after which cells overlap may be tried again, shorter."""
+        return False
+
+    def shortened(self, state: State, after: State) -> State | None:
+        """A state to try again from, if a step led to one that may not be; None: it is the end."""
+        return None
+
     def settings(self) -> dict[str, Any]:
         """The fields by name, from which the integrator can be made again."""
         return asdict(self)  # type: ignore[call-overload, no-any-return]

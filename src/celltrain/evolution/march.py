@@ -113,6 +113,12 @@ class March:
                 return Ending("steps", f"{taken} steps taken")
             state = self._resolved(state)
             after, record = self._run.integrator.advance(self._dynamics, state)
+            met = self._overlap(after)
+            shorter = None if met is None else self._run.integrator.shortened(state, after)
+            if shorter is not None:
+                # Fluid keeps cells apart: where they meet the step was too long for it.
+                state, met = shorter, None
+                continue
             frames = self._due_frames(state, after)
             if after.time > until * (1.0 + SAME_TIME):
                 # Beyond the end only the frames count: going on later repeats this step as it is.
@@ -122,7 +128,6 @@ class March:
             state, taken = after, taken + 1
             if self._progress is not None:
                 self._progress(self._status(state, record))
-            met = self._overlap(state)
             self._save_if_due()
         return Ending("overlap", f"at t = {state.time:.6g} r0/U {met}")
 
@@ -176,7 +181,9 @@ class March:
         }
 
     def _overlap(self, state: State) -> str | None:
-        if state.time - self._checked < OVERLAP_INTERVAL:
+        # Steps that could be shorter are all checked; those of one size are many, and are not.
+        retries = self._run.integrator.retries
+        if not retries and abs(state.time - self._checked) < OVERLAP_INTERVAL:
             return None
         self._checked = state.time
         return overlap(self._run.train, state.shapes)

@@ -29,6 +29,9 @@ LARGEST_FACTOR = 10.0
 # Relative errors below this are taken as this: they say nothing about how errors grow.
 SMALLEST_ERROR = 1e-4
 SMALLEST_STEP = 1e-6
+# A step after which cells overlap is tried again with this part of it, down to a smallest one.
+OVERLAP_FACTOR = 0.25
+SMALLEST_RETRY = 1e-4
 
 
 @dataclass(frozen=True)
@@ -86,6 +89,18 @@ class RungeKuttaChebyshev(Integrator):
             steps=state.steps + 1,
         )
         return after, record(after, settled, stages=stages, error=error, radius=state.radius)
+
+    @property
+    def retries(self) -> bool:
+        """See `Integrator`."""
+        return True
+
+    def shortened(self, state: State, after: State) -> State | None:
+        """See `Integrator`."""
+        step = OVERLAP_FACTOR * after.last_step
+        if step < SMALLEST_RETRY:
+            return None
+        return replace(state, step=step, rejected=after.rejected + 1, evaluations=after.evaluations)
 
     def _with_radius(self, dynamics: Dynamics, state: State) -> State:
         """The state with a spectral radius that is recent, and a first step if it has none."""

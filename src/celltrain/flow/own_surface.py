@@ -7,7 +7,6 @@ to phi = 0.
 """
 
 import math
-from functools import partial
 
 import equinox as eqx
 import jax
@@ -15,8 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.compiled import OWN_FORCE
-from celltrain.flow.ewald import near_scalars, near_stress_scalars
+from celltrain.flow.ewald import near_stress_scalars
+from celltrain.flow.force_sums import force_sums
 from celltrain.flow.sources import SYMMETRIC, UNFOLD
 from celltrain.harmonics import (
     PolarTables,
@@ -27,43 +26,7 @@ from celltrain.harmonics import (
     unshift_longitude,
 )
 
-# Positions and forces at the nodes of the rule about each target.
-Nodes = Float[Array, "6 cell azimuth radial azimuthal"]
 Kernel = Float[Array, "cell ring azimuth 3 3 coefficient"]
-
-
-@partial(jax.custom_jvp, nondiff_argnums=(0,))
-def polar_sums(
-    parameter: float,
-    targets: Float[Array, "cell azimuth 3"],
-    nodes: Nodes,
-    weights: Float[Array, "radial azimuthal"],
-) -> Float[Array, "cell azimuth 3"]:
-    """sum_s w_s G_near(x - y_s) f_s, by a compiled loop; derivatives are those of the formula."""
-    shape = jax.ShapeDtypeStruct(targets.shape, float)
-    call = jax.ffi.ffi_call(OWN_FORCE, shape, vmap_method="sequential")
-    return call(targets, nodes, weights, jnp.asarray(parameter))
-
-
-@polar_sums.defjvp
-def _polar_sums_jvp(parameter, primals, tangents):  # type: ignore[no-untyped-def]
-    _, moved = jax.jvp(partial(_polar_sums_formula, parameter), primals, tangents)
-    return polar_sums(parameter, *primals), moved
-
-
-def _polar_sums_formula(
-    parameter: float,
-    targets: Float[Array, "cell azimuth 3"],
-    nodes: Nodes,
-    weights: Float[Array, "radial azimuthal"],
-) -> Float[Array, "cell azimuth 3"]:
-    """What `polar_sums` computes."""
-    d = [targets[..., i, None, None] - nodes[i] for i in range(3)]
-    force = nodes[3:] * weights
-    isotropic, dyadic = near_scalars(d[0] ** 2 + d[1] ** 2 + d[2] ** 2, parameter)
-    along = dyadic * (d[0] * force[0] + d[1] * force[1] + d[2] * force[2])
-    parts = [jnp.sum(isotropic * force[i] + d[i] * along, axis=(-2, -1)) for i in range(3)]
-    return jnp.stack(parts, axis=-1)
 
 
 class OwnSurfaceRule(eqx.Module):
@@ -93,7 +56,7 @@ class OwnSurfaceRule(eqx.Module):
             rotation, points = ring
             turned = jnp.einsum("kl,acil->icak", rotation, shifted)
             values = self.tables.values(turned)
-            return polar_sums(self.parameter, points, values, self.weights)
+            return force_sums(self.parameter, points, values, self.weights)
 
         by_ring = jax.lax.map(of_ring, (self.rotations, jnp.moveaxis(targets, 1, 0)))
         return jnp.moveaxis(by_ring, 0, 1) / (8.0 * math.pi)

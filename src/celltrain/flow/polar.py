@@ -20,6 +20,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from celltrain.flow.ewald import near_scalars, near_stress_scalars
+from celltrain.flow.force_sums import force_sums
 from celltrain.flow.sources import SYMMETRIC, UNFOLD
 from celltrain.harmonics import PolarTables, PoleRotation
 
@@ -79,25 +80,26 @@ def polar_velocity(
     `densities` (w): coefficients.
     """
     nodes = _at_nodes(rule, poles, points, (shapes, forces, densities))
-    d, square = nodes.d, _dot(nodes.d, nodes.d)
-    weights = rule.weights[:, None]
-    parts: Vector = [jnp.zeros(())] * 3
+    velocity = jnp.zeros_like(points)
     if nodes.force is not None:
-        force = [each * weights for each in nodes.force]
-        isotropic, dyadic = near_scalars(square, rule.parameter)
-        along = dyadic * _dot(d, force)
-        parts = [isotropic * force[i] + d[i] * along for i in range(3)]
+        places = jnp.stack([points[:, i, None, None] - d for i, d in enumerate(nodes.d)])
+        velocity = force_sums(
+            rule.parameter,
+            points,
+            jnp.concatenate([places, jnp.stack(nodes.force)]),
+            jnp.broadcast_to(rule.weights[:, None], places.shape[2:]),
+        )
     if nodes.density is not None:
+        d, normal = nodes.d, nodes.normal
         density = [each * rule.areas[:, None] for each in nodes.density]
-        normal = nodes.normal
-        linear, cubic = near_stress_scalars(square, rule.parameter)
+        linear, cubic = near_stress_scalars(_dot(d, d), rule.parameter)
         through, onto = _dot(d, normal), _dot(d, density)
         along = linear * _dot(density, normal) + cubic * onto * through
         parts = [
-            parts[i] - d[i] * along - linear * (density[i] * through + normal[i] * onto)
-            for i in range(3)
+            -d[i] * along - linear * (density[i] * through + normal[i] * onto) for i in range(3)
         ]
-    return jnp.stack([jnp.sum(part, axis=(-2, -1)) for part in parts], axis=-1)
+        velocity += jnp.stack([jnp.sum(part, axis=(-2, -1)) for part in parts], axis=-1)
+    return velocity
 
 
 @polar_velocity.defjvp

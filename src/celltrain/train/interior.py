@@ -66,9 +66,11 @@ class InteriorFlow(eqx.Module):
         cells, size, _ = self.free.shape
         rigid = self.rigid.reshape(cells, 6, size)
         normal = self.normal.reshape(cells, size)
-        projector = jnp.einsum("cri,crj->cij", rigid, rigid)
-        conserved = jnp.eye(size) - jnp.einsum("ci,cj->cij", normal, normal)
-        kernel = conserved @ self.free @ (conserved - projector) - 0.5 * projector
+        # Without what is known of rigid motions and of inflation, on the right and on the left.
+        known = jnp.concatenate([rigid, normal[:, None]], axis=1)
+        kernel = self.free - jnp.einsum("cij,crj,crk->cik", self.free, known, known)
+        kernel -= jnp.einsum("ci,cj,cjk->cik", normal, normal, kernel)
+        kernel -= 0.5 * jnp.einsum("cri,crj->cij", rigid, rigid)
         return 0.5 * (1.0 + ratio) * jnp.eye(size) - (1.0 - ratio) * kernel
 
     def solve(
