@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 import jax
 
-from celltrain.parameters import Train
+from celltrain.parameters import CaseError, Train
 from celltrain.stability import Stability, stability
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.study.definition import Computed
@@ -50,7 +50,7 @@ class StabilityOfCase:
     def __call__(self, train: Train, start: Base | None) -> Outcome:
         """See `Computation`.
 
-        **Raises:** `NotConverged` if no steady train was found.
+        **Raises:** `NotConverged` or `CaseError` if no steady train was found.
         """
         try:
             base = self._steady(train, start)
@@ -64,7 +64,7 @@ class StabilityOfCase:
         first, second = (None, start) if self.computed.start == "rest" else (start, None)
         try:
             return steady(train, start=first)
-        except NotConverged:
+        except (NotConverged, CaseError):
             if start is None:
                 raise
             return steady(train, start=second)
