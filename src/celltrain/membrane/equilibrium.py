@@ -58,6 +58,7 @@ class Relaxation(eqx.Module):
     membrane: Membrane
     basis: Float[Array, "unknown 3 coefficient"]
     upper: Float[Array, " point"]
+    repulsion: Float[Array, ""]
 
     def shape(self, unknowns: Float[Array, " unknown"]) -> Float[Array, "3 coefficient"]:
         """The harmonic coefficients of a shape."""
@@ -80,7 +81,7 @@ class Relaxation(eqx.Module):
         shape = self.shape(unknowns)
         thickness, area = self.thickness(shape)
         overlap = jnp.maximum(0.0, 1.0 - thickness / REPULSION_RANGE)
-        repulsion = REPULSION_STRENGTH * jnp.sum(self.upper * area * overlap**3)
+        repulsion = self.repulsion * jnp.sum(self.upper * area * overlap**3)
         return self.membrane.energy(shape) + repulsion
 
     def held(self, unknowns: Float[Array, " unknown"]) -> Float[Array, "2"]:
@@ -115,7 +116,10 @@ def relaxation(degree: int) -> Relaxation:
         along[2, coefficient_index(n, 0)] = 1.0
         across[0, coefficient_index(n, 1)] = across[1, coefficient_index(n, -1)] = sqrt(0.5)
         basis += [along, across]
-    return Relaxation(membrane, jnp.asarray(np.array(basis)), jnp.asarray(theta < 0.5 * pi, float))
+    upper = jnp.asarray(theta < 0.5 * pi, float)
+    return Relaxation(
+        membrane, jnp.asarray(np.array(basis)), upper, jnp.asarray(REPULSION_STRENGTH)
+    )
 
 
 @cache
@@ -139,6 +143,31 @@ def relaxed_shape(degree: int, reduced_volume: float) -> Float[np.ndarray, "3 co
         shape = np.array(problem.shape(jnp.asarray(unknowns)))
     shape.setflags(write=False)
     return shape
+
+
+def contact_volume(degree: int) -> float:
+    """The reduced volume below which faces would meet if nothing kept them apart.
+
+    The deflation is followed without repulsion until the thickness at some point is zero.
+    """
+    problem = eqx.tree_at(lambda each: each.repulsion, relaxation(degree), jnp.zeros(()))
+    unknowns = problem.unknowns(problem.membrane.reference_shape)
+    area, volume = (float(each) for each in _held(problem, unknowns)[0])
+    largest = area**1.5 / (6.0 * sqrt(pi))
+
+    def least(unknowns: Array) -> float:
+        thickness, _ = problem.thickness(problem.shape(unknowns))
+        return float(jnp.where(problem.upper > 0.0, thickness, jnp.inf).min())
+
+    v, thinnest = volume / largest, least(unknowns)
+    while True:
+        following = v - 0.5 * LARGEST_STEP
+        target = np.array([area, following * largest])
+        unknowns = jnp.asarray(_minimum(problem, np.asarray(unknowns), target, following))
+        before, thinnest = thinnest, least(unknowns)
+        if thinnest <= 0.0:
+            return following + (v - following) * -thinnest / (before - thinnest)
+        v = following
 
 
 def _minimum(

@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 import jax
 
+from celltrain.diagnostics import mode_motion
 from celltrain.parameters import CaseError, Train
 from celltrain.stability import Stability, stability
 from celltrain.steady import Base, NotConverged, steady
@@ -73,6 +74,7 @@ class StabilityOfCase:
 def values_of(result: Stability) -> dict[str, float]:
     """The numbers of a result that maps are made of, by their names among `STUDY_QUANTITIES`."""
     base, leading, transient = result.base, result.leading, result.transient
+    turning = mode_motion(result, leading)
     # What a march of the axisymmetric train alone would reach has none that grow.
     axisymmetric = (
         mode.growth_rate
@@ -92,6 +94,8 @@ def values_of(result: Stability) -> dict[str, float]:
         "leading_azimuthal_number": float(leading.azimuthal_number),
         "leading_wave_number": float(leading.wave_number),
         "leading_frequency": leading.frequency,
+        "tumbling": turning.tumbling,
+        "tank_treading": turning.tank_treading,
         "axisymmetric_growth_rate": max(axisymmetric),
         "numerical_abscissa": result.numerical_abscissa,
         "transient_azimuthal_number": float(transient.azimuthal_number),
