@@ -18,7 +18,7 @@ finite and of short range. It is zero for all larger v, and the finished shape h
 """
 
 from functools import cache
-from math import ceil, pi, sqrt
+from math import copysign, pi, sqrt, trunc
 
 import equinox as eqx
 import jax
@@ -39,8 +39,8 @@ from celltrain.parameters import Cell
 REPULSION_RANGE = 0.2
 #: Energy of the repulsion for each area where the faces touch, mu U.
 REPULSION_STRENGTH = 10.0
-#: Largest change of the reduced volume from one minimum to the next.
-LARGEST_STEP = 0.02
+#: Change of the reduced volume from one minimum to the next.
+VOLUME_STEP = 0.02
 #: Order of the rule along the meridian; the densities are no polynomials.
 LEAST_ORDER = 48
 #: Closer to 1 than this the shape is the sphere, to which it tends like sqrt(1 - v).
@@ -129,20 +129,26 @@ def relaxed_shape(degree: int, reduced_volume: float) -> Float[np.ndarray, "3 co
     **Raises:** `RuntimeError` if no minimum was found.
     """
     problem = relaxation(degree)
-    rest = problem.unknowns(problem.membrane.reference_shape)
-    area, volume = (float(each) for each in _held(problem, rest)[0])
-    largest = area**1.5 / (6.0 * sqrt(pi))
+    area, _, healthy = _healthy(problem)
     if reduced_volume > 1.0 - NEARLY_ONE:
         shape = sqrt(area / (4.0 * pi)) * reference_coefficients(degree, "sphere")
     else:
-        healthy = volume / largest
-        steps = ceil(abs(reduced_volume - healthy) / LARGEST_STEP)
-        unknowns = np.asarray(rest)
-        for v in np.linspace(healthy, reduced_volume, steps + 1)[1:]:
-            unknowns = _minimum(problem, unknowns, np.array([area, v * largest]), float(v))
+        start = _rung(degree, trunc((reduced_volume - healthy) / VOLUME_STEP))
+        unknowns = _minimum(problem, start, reduced_volume)
         shape = np.array(problem.shape(jnp.asarray(unknowns)))
     shape.setflags(write=False)
     return shape
+
+
+@cache
+def _rung(degree: int, count: int) -> Float[np.ndarray, " unknown"]:
+    """The shape a number of steps (negative: of deflation) away from the healthy one."""
+    problem = relaxation(degree)
+    if count == 0:
+        return np.asarray(problem.unknowns(problem.membrane.reference_shape))
+    *_, healthy = _healthy(problem)
+    before = _rung(degree, count - int(copysign(1, count)))
+    return _minimum(problem, before, healthy + count * VOLUME_STEP)
 
 
 def contact_volume(degree: int) -> float:
@@ -152,41 +158,41 @@ def contact_volume(degree: int) -> float:
     """
     problem = eqx.tree_at(lambda each: each.repulsion, relaxation(degree), jnp.zeros(()))
     unknowns = problem.unknowns(problem.membrane.reference_shape)
-    area, volume = (float(each) for each in _held(problem, unknowns)[0])
-    largest = area**1.5 / (6.0 * sqrt(pi))
-
-    def least(unknowns: Array) -> float:
-        thickness, _ = problem.thickness(problem.shape(unknowns))
-        return float(jnp.where(problem.upper > 0.0, thickness, jnp.inf).min())
-
-    v, thinnest = volume / largest, least(unknowns)
+    *_, v = _healthy(problem)
+    thinnest = float(least_thickness(problem, unknowns))
     while True:
-        following = v - 0.5 * LARGEST_STEP
-        target = np.array([area, following * largest])
-        unknowns = jnp.asarray(_minimum(problem, np.asarray(unknowns), target, following))
-        before, thinnest = thinnest, least(unknowns)
+        following = v - 0.5 * VOLUME_STEP
+        unknowns = jnp.asarray(_minimum(problem, np.asarray(unknowns), following))
+        before, thinnest = thinnest, float(least_thickness(problem, unknowns))
         if thinnest <= 0.0:
             return following + (v - following) * -thinnest / (before - thinnest)
         v = following
 
 
+def _healthy(problem: Relaxation) -> tuple[float, float, float]:
+    """Area of the healthy cell, the largest volume that it can hold, and the reduced volume."""
+    rest = problem.unknowns(problem.membrane.reference_shape)
+    area, volume = (float(each) for each in held_by(problem, rest)[0])
+    largest = area**1.5 / (6.0 * sqrt(pi))
+    return area, largest, volume / largest
+
+
 def _minimum(
-    problem: Relaxation,
-    start: Float[np.ndarray, " unknown"],
-    target: Float[np.ndarray, "2"],
-    reduced_volume: float,
+    problem: Relaxation, start: Float[np.ndarray, " unknown"], reduced_volume: float
 ) -> Float[np.ndarray, " unknown"]:
-    """Least energy at the area and the volume of `target`."""
+    """Least energy at the healthy cell's area and a reduced volume, from a shape nearby."""
+    area, largest, _ = _healthy(problem)
+    target = np.array([area, reduced_volume * largest])
 
     def energy(unknowns: np.ndarray) -> tuple[float, np.ndarray]:
         value, gradient = _energy(problem, jnp.asarray(unknowns))
         return float(value), np.asarray(gradient)
 
     def missed(unknowns: np.ndarray) -> np.ndarray:
-        return np.asarray(_held(problem, jnp.asarray(unknowns))[0]) - target
+        return np.asarray(held_by(problem, jnp.asarray(unknowns))[0]) - target
 
     def normals(unknowns: np.ndarray) -> np.ndarray:
-        return np.asarray(_held(problem, jnp.asarray(unknowns))[1])
+        return np.asarray(held_by(problem, jnp.asarray(unknowns))[1])
 
     found = minimize(
         energy,
@@ -194,7 +200,7 @@ def _minimum(
         jac=True,
         method="SLSQP",
         constraints=NonlinearConstraint(missed, 0.0, 0.0, jac=normals),
-        options={"maxiter": 500, "ftol": 1e-15},
+        options={"maxiter": 500, "ftol": 1e-13},
     )
     left = float(np.abs(imbalance(problem, found.x)).max())
     # The method may also end because rounding allows no further step: what counts is where.
@@ -211,7 +217,7 @@ def imbalance(
 ) -> Float[np.ndarray, " unknown"]:
     """The energy's gradient less what a tension and a pressure balance; nothing at a minimum."""
     gradient = np.asarray(_energy(problem, jnp.asarray(unknowns))[1])
-    normals = np.asarray(_held(problem, jnp.asarray(unknowns))[1])
+    normals = np.asarray(held_by(problem, jnp.asarray(unknowns))[1])
     return gradient - normals.T @ np.linalg.lstsq(normals.T, gradient)[0]
 
 
@@ -221,5 +227,15 @@ def _energy(problem: Relaxation, unknowns: Array) -> tuple[Array, Array]:
 
 
 @eqx.filter_jit
-def _held(problem: Relaxation, unknowns: Array) -> tuple[Array, Array]:
+def held_by(
+    problem: Relaxation, unknowns: Float[Array, " unknown"]
+) -> tuple[Float[Array, "2"], Float[Array, "2 unknown"]]:
+    """Area and volume of a shape, and their derivatives."""
     return problem.held(unknowns), jax.jacfwd(problem.held)(unknowns)
+
+
+@eqx.filter_jit
+def least_thickness(problem: Relaxation, unknowns: Float[Array, " unknown"]) -> Float[Array, ""]:
+    """The least thickness of a shape along its normals, r0; negative if its faces cross."""
+    thickness, _ = problem.thickness(problem.shape(unknowns))
+    return jnp.where(problem.upper > 0.0, thickness, jnp.inf).min()

@@ -2,16 +2,15 @@
 
 from pathlib import Path
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from jaxtyping import Array
 
 from celltrain.membrane.equilibrium import (
     REPULSION_RANGE,
-    Relaxation,
     contact_volume,
+    held_by,
+    least_thickness,
     relaxation,
     relaxed_shape,
 )
@@ -38,28 +37,20 @@ def family(quick: bool) -> xr.Dataset:
     problem = relaxation(degree)
     shapes = [relaxed_shape(degree, v) for v in FAMILY]
     profiles = np.stack([np.stack(meridian(shape, 401)) for shape in shapes])
-    held = [_numbers(problem, jnp.asarray(shape)) for shape in shapes]
-    area, volume, thickness = (np.array([float(each[i]) for each in held]) for i in range(3))
+    unknowns = [problem.unknowns(jnp.asarray(shape)) for shape in shapes]
+    held = np.array([held_by(problem, each)[0] for each in unknowns])
+    thickness = [float(least_thickness(problem, each)) for each in unknowns]
     return xr.Dataset(
         {
             "profile": (("reduced_volume", "axis", "point"), profiles),
-            "area": ("reduced_volume", area),
-            "volume": ("reduced_volume", volume),
+            "area": ("reduced_volume", held[:, 0]),
+            "volume": ("reduced_volume", held[:, 1]),
             "thickness": ("reduced_volume", thickness),
             "contact": contact_volume(degree),
         },
         coords={"reduced_volume": list(FAMILY), "axis": ["distance", "height"]},
         attrs={"title": "shapes at rest of reduced volumes", "degree": degree},
     )
-
-
-@eqx.filter_jit
-def _numbers(problem: Relaxation, shape: Array) -> tuple[Array, Array, Array]:
-    """Area, volume and least thickness of a shape."""
-    unknowns = problem.unknowns(shape)
-    area, volume = problem.held(unknowns)
-    thickness, _ = problem.thickness(shape)
-    return area, volume, jnp.where(problem.upper > 0.0, thickness, jnp.inf).min()
 
 
 def draw_family(data: xr.Dataset, path: Path) -> Path:
@@ -75,7 +66,7 @@ def draw_family(data: xr.Dataset, path: Path) -> Path:
         distance, height = data["profile"].sel(reduced_volume=v).values
         # The axis upright, the cells beside each other.
         column, row = place % 4, place // 4
-        x, y = 3.4 * column, -2.8 * row
+        x, y = 3.4 * column, -2.9 * row
         axes.fill(
             np.concatenate([x + distance, x - distance[::-1]]),
             np.concatenate([y + height, y + height[::-1]]),
@@ -83,7 +74,7 @@ def draw_family(data: xr.Dataset, path: Path) -> Path:
             edgecolor="k",
             linewidth=1.0,
         )
-        axes.text(x, y - 1.45, f"v = {v:.2f}", ha="center", va="top", fontsize=9)
+        axes.text(x, y - 1.25, f"v = {v:.2f}", ha="center", va="top", fontsize=9)
     axes.set_aspect("equal")
     axes.plot([-1.5, -0.5], [1.3, 1.3], "k-", linewidth=2)
     axes.text(-1.0, 1.35, "$r_0$", ha="center", va="bottom", fontsize=9)
