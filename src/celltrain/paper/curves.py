@@ -1,7 +1,6 @@
 """Curves of a study's numbers, drawn as the paper draws them."""
 
 import itertools
-from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
@@ -30,11 +29,12 @@ def draw_curves(
     values: xr.DataArray,
     along: str,
     errors: xr.DataArray | None = None,
-    scale: Callable[[np.ndarray], np.ndarray] = np.asarray,
+    *,
+    legend: bool = True,
 ) -> None:
     """A curve over the axis `along` for each place on the other axes, with error bars.
 
-    **Arguments:** `scale` makes of the places what is drawn. Cases without a number leave gaps.
+    Cases without a number are left out.
     """
     others = [str(name) for name in values.dims if name != along]
     places = itertools.product(*(values[name].values for name in others))
@@ -45,7 +45,7 @@ def draw_curves(
         bars = None if errors is None else np.nan_to_num(errors.sel(chosen).values)[known]
         words = (f"{LABELS.get(name, name)} = {value:g}" for name, value in chosen.items())
         axes.errorbar(
-            scale(curve[along].values)[known],
+            curve[along].values[known],
             curve.values[known],
             bars,
             fmt=f"{marker}-",
@@ -54,5 +54,5 @@ def draw_curves(
             linewidth=1.0,
             label=", ".join(words) or None,
         )
-    if others:
+    if others and legend:
         axes.legend(fontsize=8, frameon=False)

@@ -50,7 +50,7 @@ def draw_over_ratio(data: xr.Dataset, path: Path) -> Path:
             in_paper_units(at(data[name], packing=packing))
             for name in ("spectral_abscissa", "error_estimate", "tumbling", "tank_treading")
         )
-        draw_curves(axes, alpha, "viscosity_ratio", error)
+        draw_curves(axes, alpha, "viscosity_ratio", error, legend=False)
         axes.set(xscale="log", xlabel=r"$\lambda$", ylabel=r"$\alpha\, r_0/U^*$")
         axes.set_title(f"{axes.get_title()}  $\\phi$ = {packing:g}", fontsize=10)
         other = axes.twinx()
@@ -63,7 +63,14 @@ def draw_over_ratio(data: xr.Dataset, path: Path) -> Path:
                 words = f"{label}, D = {diameter:g}"
                 other.plot(curve.viscosity_ratio, curve, style, linewidth=1.0, label=words)
         other.set(ylabel=r"$|\omega|$, $|\Omega - \omega|$  ($U^*/r_0^2$)", ylim=(0.0, None))
-        other.legend(fontsize=7, frameon=False, loc="center right")
+    # Both panels have the same curves: one legend for them, below.
+    curves = [each.get_legend_handles_labels() for each in (axes, other)]
+    drawn = {
+        words: line for lines, names in curves for line, words in zip(lines, names, strict=True)
+    }
+    figure.legend(
+        list(drawn.values()), list(drawn), loc="outside lower center", ncols=3, fontsize=8
+    )
     figure.savefig(path)
     return path
 
