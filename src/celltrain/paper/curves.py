@@ -34,19 +34,18 @@ def draw_curves(
 ) -> None:
     """A curve over the axis `along` for each place on the other axes, with error bars.
 
-    Cases without a number are left out.
+    Cases without a number leave gaps.
     """
     others = [str(name) for name in values.dims if name != along]
     places = itertools.product(*(values[name].values for name in others))
     for marker, place in zip(itertools.cycle(MARKERS), places):
         chosen = dict(zip(others, place, strict=True))
         curve = values.sel(chosen)
-        known = np.isfinite(curve.values)
-        bars = None if errors is None else np.nan_to_num(errors.sel(chosen).values)[known]
+        bars = None if errors is None else np.nan_to_num(errors.sel(chosen).values)
         words = (f"{LABELS.get(name, name)} = {value:g}" for name, value in chosen.items())
         axes.errorbar(
-            curve[along].values[known],
-            curve.values[known],
+            curve[along].values,
+            curve.values,
             bars,
             fmt=f"{marker}-",
             markersize=3.5,
