@@ -10,7 +10,8 @@ from celltrain.flow.close_pairs import ClosePairs, close_pairs
 from celltrain.flow.overlaps import overlaps
 from celltrain.harmonics import sphere_grid
 from celltrain.membrane import reference_coefficients
-from celltrain.parameters.reference_shape import resting_thickness
+from celltrain.parameters import Cell
+from celltrain.parameters.reference_shape import resting_measures
 
 CELLS, TARGETS, SOURCES, IMAGES = 3, 70, 40, 2
 DISTANCE, PERIOD = 0.35, 3.0
@@ -145,7 +146,7 @@ class TestOverlaps:
         found = overlaps(shapes, period=3.4, radius=1.5)
         assert [(each.first, each.second, each.image) for each in found] == [(1, 2, 0)]
         # The grids' points lie where both are thickest, on the same ring: as deep as they can be.
-        assert found[0].depth == pytest.approx(resting_thickness("biconcave") - 0.8, abs=0.02)
+        assert found[0].depth == pytest.approx(resting_measures(Cell())[1] - 0.8, abs=0.02)
         assert 1.5 < found[0].point[2] < 1.7
         assert "cell 1 and cell 2 overlap" in str(found[0])
 

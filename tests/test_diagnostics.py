@@ -27,6 +27,7 @@ from celltrain.diagnostics import (
 )
 from celltrain.membrane import (
     ConstitutiveLaw,
+    ElasticBending,
     Membrane,
     NeoHookean,
     Skalak,
@@ -50,7 +51,9 @@ PLACE = np.array([0.3, -2.0, 50.0])
 
 def membrane(law: ConstitutiveLaw = SKALAK, shape: str = "biconcave") -> Membrane:
     reference = reference_coefficients(DEGREE, shape)
-    return make_membrane(law, BENDING, reference, energy_order=3 * DEGREE)
+    return make_membrane(
+        law, ElasticBending(jnp.asarray(BENDING)), reference, energy_order=3 * DEGREE
+    )
 
 
 def affine(matrix: np.ndarray, place: np.ndarray, degree: int = DEGREE) -> np.ndarray:
@@ -200,7 +203,7 @@ def test_each_energy_belongs_to_its_modulus(cell: Membrane, deformed: np.ndarray
     before, _ = parts(cell, jnp.asarray(deformed))
     factors = {"shear": 2.0, "dilatation": 3.0, "bending": 5.0}
     changed = eqx.tree_at(
-        lambda each: (each.law, each.bending_modulus),
+        lambda each: (each.law, each.bending.modulus),
         cell,
         (Skalak(jnp.asarray(2 * SHEAR), jnp.asarray(3 * DILATATION)), jnp.asarray(5 * BENDING)),
     )
@@ -228,7 +231,7 @@ def test_energies_and_tension_of_an_inflated_sphere() -> None:
 
 @pytest.mark.parametrize("law", [SKALAK, NEO_HOOKEAN], ids=["skalak", "neo_hookean"])
 def test_tension_does_the_work_of_inflation(law: ConstitutiveLaw, deformed: np.ndarray) -> None:
-    cell = eqx.tree_at(lambda each: each.bending_modulus, membrane(law), jnp.zeros(()))
+    cell = eqx.tree_at(lambda each: each.bending.modulus, membrane(law), jnp.zeros(()))
     shape = jnp.asarray(deformed)
 
     @eqx.filter_jit

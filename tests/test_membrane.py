@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from celltrain.harmonics import sphere_grid
 from celltrain.membrane import (
     ConstitutiveLaw,
+    ElasticBending,
     Membrane,
     NeoHookean,
     Skalak,
@@ -28,7 +29,9 @@ NEO_HOOKEAN = NeoHookean(jnp.asarray(SHEAR))
 
 def membrane(law: ConstitutiveLaw, shape: str = "biconcave", bending: float = BENDING) -> Membrane:
     reference = reference_coefficients(DEGREE, shape)
-    return make_membrane(law, bending, reference, energy_order=3 * DEGREE)
+    return make_membrane(
+        law, ElasticBending(jnp.asarray(bending)), reference, energy_order=3 * DEGREE
+    )
 
 
 @pytest.fixture(scope="module")

@@ -103,7 +103,8 @@ def test_each_statement_on_transients_can_fail(as_printed, name, where, value, f
 
 def test_figures_and_the_table(as_printed: xr.Dataset, tmp_path: Path) -> None:
     as_printed["spectral_abscissa"].loc[{"diameter": 6, "packing": 0.7}] = np.nan
-    for name, figure in FIGURES.items():
+    for name in ("fig6", "fig8"):
+        figure = FIGURES[name]
         path = figure.draw(as_printed, tmp_path / f"{name}.png")
         assert path.stat().st_size > 10_000
     text = findings_table(growth_findings(as_printed))

@@ -82,10 +82,10 @@ def soft(operator: TrainOperator) -> TrainOperator:
         lambda o: (
             o.membrane.law.shear_modulus,
             o.membrane.law.dilatation_modulus,
-            o.membrane.bending_modulus,
+            o.membrane.bending.modulus,
         ),
         operator,
-        [0.0 * membrane.bending_modulus] * 3,
+        [0.0 * membrane.bending.modulus] * 3,
     )
 
 

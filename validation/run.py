@@ -21,6 +21,7 @@ import celltrain  # noqa: F401
 import accuracy
 import breakup
 import convergence
+import haematocrit
 import mechanisms
 import packing
 import reference
@@ -48,6 +49,7 @@ def main() -> None:
         "packing": lambda _: packing.study(),
         "viscosity": lambda _: viscosity.study(),
         "accuracy": lambda _: accuracy.study(),
+        "haematocrit": lambda _: haematocrit.study(),
         "mechanisms": lambda _: mechanisms.study(),
         "breakup": lambda options: breakup.study(
             options.runs, options.simulate, dict(options.take)

@@ -9,7 +9,7 @@ from cyclopts import Group, Parameter, Token
 from pydantic.fields import FieldInfo
 
 from celltrain.parameters import Cell, Flow, Resolution, Scales, Train, Tube
-from celltrain.parameters.errors import allowed_range, allowed_values
+from celltrain.parameters.errors import allowed_range, allowed_values, plain_type
 from celltrain.parameters.routing import LEAVES
 from celltrain.parameters.section import Section
 
@@ -36,7 +36,7 @@ def _help(field: FieldInfo) -> str:
     notes = [f"allowed: {limits}"] if limits else []
     if field.default_factory is not None:
         notes.append("default: follows from the degree")
-    elif not field.is_required():
+    elif not field.is_required() and field.default is not None:
         default = field.default
         notes.append(f"default: {f'{default:.5g}' if isinstance(default, float) else default}")
     return f"{field.description} ({'; '.join(notes)})" if notes else str(field.description)
@@ -62,7 +62,8 @@ def _option_class() -> type:
     for title, name, info in _options():
         group = orders.setdefault(title, Group(title, sort_key=len(orders) + 10))
         # Values are checked by the parameters alone, which say what is allowed.
-        plain: Any = info.annotation if info.annotation in (int, float) else str
+        kind = plain_type(info)
+        plain: Any = kind if kind in (int, float) else str
         converter = None if plain is str else reader(plain, allowed_values(info))
         parameter = Parameter(help=_help(info), group=group, converter=converter)
         columns.append((name, Annotated[plain | None, parameter], dataclass_field(default=None)))

@@ -1,4 +1,4 @@
-"""The command for the paper's maps: ``celltrain paper``."""
+"""The command for the paper's figures: ``celltrain paper``."""
 
 import json as json_
 import sys
@@ -8,17 +8,22 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
+import xarray as xr
 from cyclopts import Parameter
 from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.compute import NOT_CONVERGED
+from celltrain.cli.outputs import check_folder
 from celltrain.cli.study_run import Count, Retry, Run, Scheduler, compute
-from celltrain.paper import FIGURES, findings_table, paper_study
+from celltrain.paper import FIGURES, PaperFigure, findings_table, paper_study
 from celltrain.results import replace_file
 from celltrain.study import save_dataset, study_dataset, table
 
-FigureName = Annotated[Literal["fig6", "fig8"], Parameter(help="Figure of the paper.")]
+FigureName = Annotated[
+    Literal["fig6", "fig8", "fig13", "fig14", "fig16", "fig17", "fig19"],
+    Parameter(help="Figure of the paper."),
+]
 Quick = Annotated[
     bool, Parameter(help="A coarse grid at a low degree: the pattern in minutes.", negative=())
 ]
@@ -44,25 +49,20 @@ def paper(
     json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Compute or resume one of the paper's maps, draw it, and check what the paper says about it.
+    """Compute or resume one of the paper's figures, draw it, and check the paper's statements.
 
     Exit status 3 if cases failed. A statement that does not hold is a result, no failure.
     """
     chosen = FIGURES[figure]
-    study = paper_study(chosen, quick=quick)
     folder = output or Path(f"paper-{chosen.study}{'-quick' if quick else ''}")
     run = Run(folder, workers, scheduler, retry, quiet)
     errors = Console(stderr=True)
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr):
-        records = compute(study, run, errors)
-        data = study_dataset(study, records)
+        data, written, failed = _data(chosen, run, errors, quick=quick)
         findings = chosen.findings(data)
         text = findings_table(findings)
-        written = [save_dataset(data, folder / "study.nc")]
-        for name, content in (("table.md", table(study, records)), (f"{figure}.md", text)):
-            written.append(folder / name)
-            replace_file(written[-1], partial(Path.write_text, data=content))
+        written.append(_write(text, folder / f"{figure}.md"))
         written.append(chosen.draw(data, folder / f"{figure}.png"))
         if not quiet:
             for path in written:
@@ -71,5 +71,27 @@ def paper(
         print(json_.dumps([asdict(finding) for finding in findings], indent=2))
     else:
         sys.stdout.write(text)
-    failed = any(record.status == "failed" for record in records.values())
     return NOT_CONVERGED if failed else 0
+
+
+def _data(
+    figure: PaperFigure, run: Run, errors: Console, *, quick: bool
+) -> tuple[xr.Dataset, list[Path], bool]:
+    """The data of a figure, the files with it, and whether a case failed."""
+    if figure.compute is not None:
+        check_folder(run.folder, "output")
+        data = figure.compute(quick)
+        return data, [save_dataset(data, run.folder / "shapes.nc")], False
+    study = paper_study(figure, quick=quick)
+    records = compute(study, run, errors)
+    data = study_dataset(study, records)
+    written = [
+        save_dataset(data, run.folder / "study.nc"),
+        _write(table(study, records), run.folder / "table.md"),
+    ]
+    return data, written, any(record.status == "failed" for record in records.values())
+
+
+def _write(text: str, path: Path) -> Path:
+    replace_file(path, partial(Path.write_text, data=text))
+    return path

@@ -5,6 +5,11 @@ from celltrain.diagnostics.ellipsoid import Ellipsoid, best_ellipsoid
 from celltrain.diagnostics.energy import ENERGY_PARTS, energy_parts, perturbation_energy
 from celltrain.diagnostics.fields import SurfaceFields, surface_fields
 from celltrain.diagnostics.frame import frame
+from celltrain.diagnostics.haematocrit import (
+    discharge_haematocrit,
+    in_vitro_viscosity,
+    tube_haematocrit,
+)
 from celltrain.diagnostics.modes import ModeMotion, mode_motion
 from celltrain.diagnostics.moments import CellMoments, cell_moments
 from celltrain.diagnostics.quantities import FRAME_QUANTITIES, FrameQuantity
@@ -34,14 +39,17 @@ __all__ = [
     "cell_moments",
     "cell_motion",
     "deformation_spectrum",
+    "discharge_haematocrit",
     "disturbance_amplitude",
     "energy_parts",
     "frame",
+    "in_vitro_viscosity",
     "isotropic_tension",
     "meridional_flow",
     "mode_motion",
     "perturbation_energy",
     "recirculation",
     "surface_fields",
+    "tube_haematocrit",
     "wall_distance",
 ]

@@ -3,9 +3,9 @@
     W = W_s + W_d + W_b,                                       Eqs. (23), (24)
 
 of Bryngelson & Freund (2018): the terms with the moduli Es, Ed and Eb. The sum is
-`Membrane.energy`, the energy whose gradient is the force, with bending
-Eb/2 tr((kappa - kappa_ref)^2) for each area at rest; Eq. (23) writes that term with differences of
-the principal curvatures.
+`Membrane.energy`, the energy whose gradient is the force, with the membrane's own bending energy,
+by default Eb/2 tr((kappa - kappa_ref)^2) for each area at rest. Eq. (23) writes that term with
+differences of the principal curvatures.
 """
 
 import dataclasses
@@ -51,8 +51,8 @@ def _with_only(membrane: Membrane, modulus: str) -> Membrane:
     if others:
         kept = [jnp.zeros(()) for _ in others]
         law = eqx.tree_at(lambda each: [getattr(each, name) for name in others], law, kept)
-    bending = membrane.bending_modulus if modulus == "bending_modulus" else jnp.zeros(())
-    return eqx.tree_at(lambda each: (each.law, each.bending_modulus), membrane, (law, bending))
+    bending = membrane.bending.modulus if modulus == "bending_modulus" else jnp.zeros(())
+    return eqx.tree_at(lambda each: (each.law, each.bending.modulus), membrane, (law, bending))
 
 
 def _moduli(law: ConstitutiveLaw) -> list[str]:

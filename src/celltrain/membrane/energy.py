@@ -1,6 +1,8 @@
 """Elastic energy of a cell and the force that its membrane exerts on the fluid.
 
-    E = int [ W(I1, I2) + Eb/2 tr((kappa - kappa_ref)^2) ] dA_ref,   kappa = a^-1 b.
+    E = int [ W(I1, I2) + B(kappa, kappa_ref) ] dA_ref,   kappa = a^-1 b,
+
+with W that of a constitutive law (`laws`) and B that of bending (`bending`).
 
 The force per unit of solid angle has the harmonic coefficients F_c = -dE/ds_c exactly, because the
 harmonics are orthonormal. No surface Jacobian and no third derivative appears, and the net force
@@ -14,13 +16,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.harmonics import HarmonicTables, harmonic_tables, sphere_grid
+from celltrain.membrane.bending import BendingLaw, Mixed
 from celltrain.membrane.geometry import SurfaceGeometry, surface_geometry, volume
 from celltrain.membrane.laws import ConstitutiveLaw
 
 
-def _mixed(
-    metric: tuple[Array, Array, Array], form: tuple[Array, Array, Array]
-) -> tuple[Array, Array, Array, Array]:
+def _mixed(metric: tuple[Array, Array, Array], form: tuple[Array, Array, Array]) -> Mixed:
     """Components (11, 12, 21, 22) of metric^-1 form for symmetric 2 x 2 tensors."""
     a, b, c = metric
     p, q, r = form
@@ -34,14 +35,14 @@ def _mixed(
 
 
 class Membrane(eqx.Module):
-    """A membrane with its constitutive law, bending stiffness and resting shape.
+    """A membrane with its constitutive law, bending energy and resting shape.
 
     The grid of `tables` is finer than the shape's degree (three times, as in the paper), because
     the energy density is not band-limited.
     """
 
     law: ConstitutiveLaw
-    bending_modulus: Float[Array, ""]
+    bending: BendingLaw
     tables: HarmonicTables
     weights: Float[Array, " point"]
     inverse_sine: Float[Array, " point"]
@@ -54,8 +55,7 @@ class Membrane(eqx.Module):
         in_plane = self.law.energy_density(*self.invariants(deformed))
         now = _mixed(deformed.metric, deformed.curvature)
         rest = _mixed(self.reference.metric, self.reference.curvature)
-        k11, k12, k21, k22 = (a - b for a, b in zip(now, rest, strict=True))
-        bending = 0.5 * self.bending_modulus * (k11**2 + 2.0 * k12 * k21 + k22**2)
+        bending = self.bending.energy_density(now, rest, deformed.area / self.reference.area)
         area = self.reference.area * self.inverse_sine * self.weights
         return jnp.sum((in_plane + bending) * area)
 
@@ -83,12 +83,12 @@ class Membrane(eqx.Module):
 
 def make_membrane(
     law: ConstitutiveLaw,
-    bending_modulus: float,
+    bending: BendingLaw,
     reference_shape: Float[np.ndarray, "3 coefficient"],
     *,
     energy_order: int,
 ) -> Membrane:
-    """Membrane that is free of stress in `reference_shape`.
+    """Membrane that is free of stress in `reference_shape`, but for what its bending energy adds.
 
     **Arguments:** `energy_order`: rings of the grid on which the energy is integrated; 3 M is the
     paper's choice.
@@ -99,7 +99,7 @@ def make_membrane(
     tables = harmonic_tables(degree, theta, phi)
     return Membrane(
         law=law,
-        bending_modulus=jnp.asarray(bending_modulus, dtype=float),
+        bending=bending,
         tables=tables,
         weights=grid.weights,
         inverse_sine=jnp.asarray(1.0 / np.sin(theta)),

@@ -1,4 +1,4 @@
-"""Resting shapes of a cell."""
+"""The resting shapes that are known in closed form."""
 
 import numpy as np
 from jaxtyping import Float

@@ -1,12 +1,8 @@
-"""The paper's maps: studies that compute them, and what the paper says about them beside ours."""
+"""The paper's figures: studies that compute them, and what it says about them beside ours."""
 
 from celltrain.paper.figures import FIGURES, PaperFigure, paper_study
-from celltrain.paper.statements import (
-    Finding,
-    findings_table,
-    growth_findings,
-    transient_findings,
-)
+from celltrain.paper.finding import Finding, findings_table
+from celltrain.paper.statements import growth_findings, transient_findings
 
 __all__ = [
     "FIGURES",

@@ -1,4 +1,4 @@
-"""The paper's figures that are studies: what to compute, how to draw it, what it should show."""
+"""The paper's figures: what to compute, how to draw it, what it should show."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,12 +9,21 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from celltrain.paper.statements import (
-    CONTOURS,
-    Finding,
-    growth_findings,
-    in_paper_units,
-    transient_findings,
+from celltrain.paper.cell_volume import (
+    draw_family,
+    draw_over_volume,
+    family,
+    family_findings,
+    volume_findings,
+)
+from celltrain.paper.finding import Finding, in_paper_units
+from celltrain.paper.flow_strength import draw_over_flow, flow_findings
+from celltrain.paper.statements import CONTOURS, growth_findings, transient_findings
+from celltrain.paper.viscosity_ratio import (
+    draw_over_packing,
+    draw_over_ratio,
+    packing_findings,
+    ratio_findings,
 )
 from celltrain.pictures.study import mark_cases
 from celltrain.study import Study, read_study
@@ -22,11 +31,15 @@ from celltrain.study import Study, read_study
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """One figure: the name of its study, its picture, and the paper's statements about it."""
+    """One figure: the name of its study, its picture, and the paper's statements about it.
+
+    `compute` makes the data of a figure that is no study, from whether it should be quick.
+    """
 
     study: str
     draw: Callable[[xr.Dataset, Path], Path]
     findings: Callable[[xr.Dataset], list[Finding]]
+    compute: Callable[[bool], xr.Dataset] | None = None
 
 
 def paper_study(figure: PaperFigure, *, quick: bool) -> Study:
@@ -99,4 +112,9 @@ def _draw(
 FIGURES = {
     "fig6": PaperFigure("map", draw_growth_map, growth_findings),
     "fig8": PaperFigure("map", draw_transient_map, transient_findings),
+    "fig13": PaperFigure("viscosity-packing", draw_over_packing, packing_findings),
+    "fig14": PaperFigure("viscosity-ratio", draw_over_ratio, ratio_findings),
+    "fig16": PaperFigure("flow-strength", draw_over_flow, flow_findings),
+    "fig17": PaperFigure("shapes", draw_family, family_findings, family),
+    "fig19": PaperFigure("cell-volume", draw_over_volume, volume_findings),
 }

@@ -5,15 +5,11 @@ their names P6 ... P12 only tell them apart. Rates are in the paper's unit (`pap
 """
 
 import math
-import tomllib
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from celltrain.parameters import merge_case, paper_units
+from celltrain.paper.finding import Finding, finding, first_case, in_paper_units
 
 #: What "about 0.1" may mean: the printed colours and contours tell no more.
 ABOUT_A_TENTH = (0.03, 0.2)
@@ -30,29 +26,11 @@ CONTOURS = (40.0, 52.0)
 ASYMMETRIC = (1, math.inf)
 
 
-@dataclass(frozen=True)
-class Finding:
-    """A statement of the paper, what we find, and whether it holds.
-
-    `holds` is None where cases that it needs are not there.
-    """
-
-    name: str
-    statement: str
-    found: str
-    holds: bool | None
-
-
-def in_paper_units(rates: xr.DataArray) -> xr.DataArray:
-    """Rates in U/r0 as the paper prints them."""
-    return rates.copy(data=paper_units.rate(rates.values))
-
-
 def growth_findings(data: xr.Dataset) -> list[Finding]:
     """The statements about the growth rate alpha (Fig. 6) beside a study over both parameters."""
     alpha = in_paper_units(data["spectral_abscissa"])
     error = in_paper_units(data["error_estimate"])
-    half = _cells(data) // 2
+    half = first_case(data).cells // 2
     sparse, dense = _at(alpha, packing=SPARSE), _at(alpha, packing=DENSE)
     window = alpha.where(
         (alpha.packing >= WINDOW[0] - 1e-9)
@@ -62,28 +40,28 @@ def growth_findings(data: xr.Dataset) -> list[Finding]:
     )
     largest = float(window.max(skipna=False)) if window.size else np.nan
     return [
-        _finding(
+        finding(
             "P6",
             "at packing 0.2 alpha is about 0.1 at every diameter",
             _list(sparse, _at(error, packing=SPARSE)),
             _inside(sparse, ABOUT_A_TENTH),
             sparse,
         ),
-        _finding(
+        finding(
             "P6",
             "at packing 0.2 alpha is smaller in wider tubes",
             f"from {_first(sparse):.3f} to {_last(sparse):.3f}",
             _last(sparse) < _first(sparse),
             sparse,
         ),
-        _finding(
+        finding(
             "P7",
             "at packing 0.7 alpha is about 0.1 at every diameter",
             _list(dense, _at(error, packing=DENSE)),
             _inside(dense, ABOUT_A_TENTH),
             dense,
         ),
-        _finding(
+        finding(
             "P8",
             f"alpha is below {MARGINAL:g} from packing {WINDOW[0]:g} to {WINDOW[1]:g} in tubes up"
             f" to {WINDOW_DIAMETER:g} r0 wide",
@@ -99,18 +77,18 @@ def growth_findings(data: xr.Dataset) -> list[Finding]:
 def transient_findings(data: xr.Dataset) -> list[Finding]:
     """The statements about the initial growth rate eta (Fig. 8) beside the same study."""
     eta = in_paper_units(data["numerical_abscissa"])
-    cells = _cells(data)
+    cells = first_case(data).cells
     least, most = float(eta.min(skipna=False)), float(eta.max(skipna=False))
     corners = (float(eta.isel(diameter=0, packing=0)), float(eta.isel(diameter=-1, packing=-1)))
     findings = [
-        _finding(
+        finding(
             "P11",
             "eta varies by about four over the map",
             f"{least:.1f} to {most:.1f}: {most / least:.2f}",
             ABOUT_FOUR[0] < most / least < ABOUT_FOUR[1],
             eta,
         ),
-        _finding(
+        finding(
             "P11",
             "eta rises with diameter and packing",
             f"{corners[0]:.1f} in the narrowest tube with the sparsest train, {corners[1]:.1f} in"
@@ -119,7 +97,7 @@ def transient_findings(data: xr.Dataset) -> list[Finding]:
             eta,
         ),
         *(
-            _finding(
+            finding(
                 "P11",
                 f"the contour eta = {contour:g} crosses the map",
                 f"{least:.1f} to {most:.1f}",
@@ -155,27 +133,6 @@ def transient_findings(data: xr.Dataset) -> list[Finding]:
             )
         )
     return findings
-
-
-def findings_table(findings: Sequence[Finding]) -> str:
-    """Findings as a table in Markdown."""
-    words = {True: "yes", False: "no", None: "not known"}
-    lines = ["| | the paper, in our words | found | holds |", "|---|---|---|---|"]
-    lines += [
-        f"| {each.name} | {each.statement} | {each.found} | {words[each.holds]} |"
-        for each in findings
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def _finding(name: str, statement: str, found: str, holds: Any, needed: xr.DataArray) -> Finding:
-    if needed.size == 0 or not np.isfinite(needed).all():
-        return Finding(name, statement, "cases are missing", None)
-    return Finding(name, statement, found, bool(holds))
-
-
-def _cells(data: xr.Dataset) -> int:
-    return merge_case(tomllib.loads(data.attrs["case"]), {}).cells
 
 
 def _at(values: xr.DataArray, packing: float) -> xr.DataArray:
@@ -233,7 +190,7 @@ def _pattern(
     }
     disturbance = "leading mode" if kind == "leading" else "disturbance that grows fastest at first"
     holds = ((number >= numbers[0]) & (number <= numbers[1]) & (wave == wave_number)).all()
-    return _finding(
+    return finding(
         name,
         f"at packing {packing:g} {where} the {disturbance} {words}",
         "; ".join(places),

@@ -1,7 +1,8 @@
 """The one error that a wrong case raises, and how a validation failure becomes its message."""
 
 from collections.abc import Mapping
-from typing import Any
+from types import NoneType
+from typing import Any, get_args
 
 from annotated_types import Ge, Gt, Le, Lt, MultipleOf
 from pydantic import BaseModel, ValidationError
@@ -17,7 +18,7 @@ def allowed_range(field: FieldInfo) -> str:
 
     Empty when the field's type is the only condition.
     """
-    choices = getattr(field.annotation, "__args__", ())
+    choices = get_args(field.annotation)
     if choices and all(isinstance(choice, str) for choice in choices):
         return " or ".join(choices)
     bounds: dict[str, Any] = {}
@@ -32,6 +33,15 @@ def allowed_range(field: FieldInfo) -> str:
         return f"{bounds['ge']:g} to {bounds['le']:g}{ending}"
     signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
     return " and ".join(f"{signs[name]} {bound:g}" for name, bound in bounds.items()) + ending
+
+
+def plain_type(field: FieldInfo) -> Any:
+    """The type of a field's values, without what is checked of them and without None."""
+    kinds = [kind for kind in get_args(field.annotation) if kind is not NoneType]
+    if len(kinds) != len(get_args(field.annotation)):
+        [kind] = kinds
+        return get_args(kind)[0]
+    return field.annotation
 
 
 def case_error(error: ValidationError, model: type[BaseModel]) -> CaseError:
@@ -65,7 +75,7 @@ def allowed_values(field: FieldInfo | None) -> str:
         return "see the documentation of this section"
     limits = allowed_range(field)
     nouns = {float: "a number", int: "a whole number"}
-    noun = nouns.get(field.annotation, "") if isinstance(field.annotation, type) else ""
+    noun = nouns.get(plain_type(field), "")
     extra = field.json_schema_extra
     reason = f" ({extra['reason']})" if isinstance(extra, dict) and "reason" in extra else ""
     return f"allowed: {' '.join(part for part in (noun, limits) if part)}{reason}"

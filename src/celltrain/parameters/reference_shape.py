@@ -6,6 +6,10 @@ distance from its axis a sin(th), height (a/2)(0.207 + 2.003 sin^2(th) - 1.123 s
 
 import math
 
+import numpy as np
+
+from celltrain.parameters.sections import Cell
+
 #: Largest radius of the biconcave cell, r0, which makes its volume 4 pi/3.
 BICONCAVE_RADIUS = 1.38581894
 
@@ -13,18 +17,43 @@ BICONCAVE_RADIUS = 1.38581894
 BICONCAVE_PROFILE = (0.207, 2.003, -1.123)
 
 
-def resting_diameter(reference: str) -> float:
-    """Largest diameter across the axis of the resting cell, r0."""
-    return 2 * BICONCAVE_RADIUS if reference == "biconcave" else 2.0
+def resting_measures(cell: Cell) -> tuple[float, float] | None:
+    """Largest diameter across the axis and largest axial thickness at one distance from it, r0.
 
-
-def resting_thickness(reference: str) -> float:
-    """Largest axial thickness of the resting cell at one distance from its axis, r0.
-
-    Copies of the cell on one axis overlap when they are closer than this.
+    Copies of the cell on one axis overlap when they are closer than the thickness. None for a cell
+    of another reduced volume, whose shape is only known once it has been computed.
     """
-    if reference != "biconcave":
-        return 2.0
+    if cell.reduced_volume is not None:
+        return None
+    if cell.profile is not None:
+        return profile_measures(np.array(cell.profile))
+    if cell.reference == "biconcave":
+        return 2 * BICONCAVE_RADIUS, _biconcave_thickness()
+    radius, height = spheroid_axes(cell.aspect_ratio or 1.0)
+    return 2 * radius, 2 * height
+
+
+def spheroid_axes(aspect_ratio: float) -> tuple[float, float]:
+    """Semi-axes across and along the axis, r0, of the spheroid of volume 4 pi/3."""
+    radius = aspect_ratio ** (-1 / 3)
+    return radius, aspect_ratio * radius
+
+
+def profile_measures(points: np.ndarray) -> tuple[float, float]:
+    """Diameter and thickness of a surface of revolution from points of its meridian."""
+    rho, z = points.T
+    levels = np.linspace(0.0, rho.max(), 401)
+    top, bottom = np.full_like(levels, -np.inf), np.full_like(levels, np.inf)
+    for i in range(len(rho) - 1):
+        ends = sorted(((rho[i], z[i]), (rho[i + 1], z[i + 1])))
+        here = (levels >= ends[0][0]) & (levels <= ends[1][0])
+        height = np.interp(levels[here], [ends[0][0], ends[1][0]], [ends[0][1], ends[1][1]])
+        top[here], bottom[here] = np.maximum(top[here], height), np.minimum(bottom[here], height)
+    known = np.isfinite(top)
+    return 2.0 * float(rho.max()), float((top[known] - bottom[known]).max())
+
+
+def _biconcave_thickness() -> float:
     constant, square, fourth = BICONCAVE_PROFILE
     # With c = cos(th) the height over a/2 is a polynomial in c, largest where its slope is zero:
     # a quadratic equation for c^2, whose other root is negative.

@@ -50,6 +50,7 @@ class Scales(Section):
             "shear_modulus": self.surface_modulus,
             "dilatation_modulus": self.surface_modulus,
             "bending_modulus": self.bending_modulus,
+            "spontaneous_curvature": 1 / self.radius,
         }
         return units.get(leaf)
 

@@ -5,6 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from celltrain.parameters.errors import CaseError
+from celltrain.parameters.profile import Profile
 from celltrain.parameters.scales import Scales
 from celltrain.parameters.section import Real, Section, Whole
 from celltrain.parameters.units import BENDING_MODULUS, DILATATION_MODULUS, SHEAR_MODULUS
@@ -22,6 +23,11 @@ class Cell(Section):
     """Mechanics and resting shape of a cell; the defaults are a red blood cell's.
 
     The moduli are Es = 4.2e-6 N/m, Ed = 67.7e-6 N/m and Eb = 1.8e-19 N m at the reference scales.
+
+    r0 is the radius of the sphere of the *healthy* cell's volume whatever the shape: only
+    "biconcave", "sphere" and "spheroid" have the volume 4 pi/3. With `reduced_volume` v the healthy
+    cell's area is kept, and the volume is v times that of the sphere of this area; a `profile` is
+    taken as it is.
     """
 
     shear_modulus: Real = Field(
@@ -42,9 +48,55 @@ class Cell(Section):
     law: Literal["skalak", "neo_hookean"] = Field(
         default="skalak", description="constitutive law of the membrane"
     )
-    reference: Literal["biconcave", "sphere"] = Field(
+    bending: Literal["elastic", "helfrich"] = Field(
+        default="elastic",
+        description="bending energy: about the shape at rest, or that of a fluid membrane",
+    )
+    spontaneous_curvature: Real = Field(
+        default=0.0,
+        description="curvature c0 that a helfrich membrane prefers, positive for a sphere, 1/r0",
+    )
+    reference: Literal["biconcave", "sphere", "spheroid", "profile"] = Field(
         default="biconcave", description="shape of the cell at rest"
     )
+    reduced_volume: Real | None = Field(
+        default=None,
+        ge=0.4,
+        le=1,
+        description="reduced volume of the biconcave cell, deflated or inflated at constant area;"
+        " the healthy cell's own, 0.6444, unless given",
+    )
+    aspect_ratio: Real | None = Field(
+        default=None,
+        ge=0.2,
+        le=5,
+        description="length along the axis over diameter of a spheroid",
+    )
+    profile: Profile | None = Field(
+        default=None,
+        description="meridian of the shape at rest: a CSV file of points, distance from the axis"
+        " and height, r0 also in SI",
+    )
+
+    @model_validator(mode="after")
+    def _parameters_belong_to_the_shape(self) -> Self:
+        owners = {"reduced_volume": "biconcave", "aspect_ratio": "spheroid", "profile": "profile"}
+        for name, owner in owners.items():
+            value = getattr(self, name)
+            if value is not None and self.reference != owner:
+                shown = "" if name == "profile" else f" = {value:g}"
+                raise CaseError(
+                    f"{name}{shown} is not allowed with reference = {self.reference!r}:"
+                    f" allowed with reference = {owner!r}"
+                )
+            if value is None and self.reference == owner and owner != "biconcave":
+                raise CaseError(f"reference = {owner!r} needs {name}, which is missing")
+        if self.spontaneous_curvature != 0.0 and self.bending != "helfrich":
+            raise CaseError(
+                f"spontaneous_curvature = {self.spontaneous_curvature:g} is not allowed with"
+                f" bending = {self.bending!r}: allowed with bending = 'helfrich'"
+            )
+        return self
 
     @property
     def capillary_number(self) -> float:

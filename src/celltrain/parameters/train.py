@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from celltrain.parameters.errors import CaseError
-from celltrain.parameters.reference_shape import resting_diameter, resting_thickness
+from celltrain.parameters.reference_shape import resting_measures
 from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten, nest, override
 from celltrain.parameters.scales import Scales
 from celltrain.parameters.section import Real, Section, Whole
@@ -58,20 +58,31 @@ class Train(Section):
 
     @model_validator(mode="after")
     def _cells_fit(self) -> Self:
-        shape = self.cell.reference
-        diameter, thickness = resting_diameter(shape), resting_thickness(shape)
+        measures = resting_measures(self.cell)
+        if measures is not None:
+            self.check_room(*measures)
+        return self
+
+    def check_room(self, diameter: float, thickness: float) -> None:
+        """See to it that the tube has room for resting cells of this size, in r0, on its axis.
+
+        Raises:
+            CaseError: if they touch the wall or each other.
+        """
+        shape: str = self.cell.reference
+        if self.cell.reduced_volume is not None:
+            shape = f"cell of reduced volume {self.cell.reduced_volume:g}"
         if self.tube.diameter <= diameter:
             raise CaseError(
                 f"diameter = {self.tube.diameter:g} is not allowed: the tube must be wider than"
-                f" the {shape} cell at rest, so allowed: > {diameter:.4f} (in radii r0)"
+                f" the cell at rest ({shape}), so allowed: > {diameter:.4f} (in radii r0)"
             )
         if self.packing * thickness >= 1:
             raise CaseError(
-                f"packing = {self.packing:g} is not allowed: {shape} cells at rest overlap when"
+                f"packing = {self.packing:g} is not allowed: cells at rest ({shape}) overlap when"
                 f" their spacing 1/packing is below their thickness {thickness:.4f} r0,"
                 f" so allowed: > 0 and < {_below(1 / thickness):.4f}"
             )
-        return self
 
     @property
     def period(self) -> float:
@@ -177,9 +188,17 @@ class Train(Section):
             fields = type(described[section]).model_fields
             lines += ["", f"[{section}]"]
             for name, value in values.items():
-                text = f'"{value}"' if isinstance(value, str) else repr(value)
-                lines.append(f"{name} = {text}  # {fields[name].description}")
+                if value is not None:
+                    lines.append(f"{name} = {_toml(value)}  # {fields[name].description}")
         return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_toml, value))}]"
+    return repr(value)
 
 
 def _below(value: float) -> float:

@@ -19,6 +19,8 @@ LABELS = {
     "diameter": r"$D/r_0$",
     "packing": r"$\phi$",
     "viscosity_ratio": r"$\lambda$",
+    "reduced_volume": "$v$",
+    "Ca": "Ca",
 }
 # More curves than this are drawn as a map.
 MOST_CURVES = 4

@@ -25,8 +25,7 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Array, Float
 
-from celltrain.membrane import Membrane, make_membrane
-from celltrain.membrane.laws import make_law
+from celltrain.membrane import ElasticBending, Membrane, make_law, make_membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.stability.norms import Grams, Norm, Shape, SurfaceNorm
 from celltrain.train import area_vectors, azimuthal_basis
@@ -104,7 +103,8 @@ class StrainNorm(Norm):
         cell = self.train.cell
         at_rest = make_membrane(
             make_law(cell.law, cell.shear_modulus, cell.dilatation_modulus),
-            cell.bending_modulus,
+            # Elastic whatever the cell's: of the others a steady shape is no minimum.
+            ElasticBending(jnp.asarray(cell.bending_modulus)),
             shape,
             energy_order=self.train.resolution.energy_order,
         )

@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from celltrain.membrane import resting_shape
 from celltrain.parameters import Train
 from celltrain.runtime import timed
 from celltrain.steady.base import Base, Iteration, NotConverged
@@ -22,6 +23,7 @@ from celltrain.train import (
     close_distance,
     largest_radius,
     rates_error,
+    size_at_rest,
     streamwise_gap,
 )
 
@@ -63,7 +65,8 @@ def steady(
     **Returns:** a `Base`.
 
     **Raises:** `NotConverged`, which carries the last state and the history. Steps after which
-    cells would overlap are not taken.
+    cells would overlap are not taken. `CaseError` if the tube has no room for the cells at rest,
+    which for cells of another reduced volume is only known here.
     """
     seconds: dict[str, float] = {}
     with timed(seconds, "base"):
@@ -88,6 +91,9 @@ def _find(
     progress: Progress | None,
 ) -> tuple[Base, bool]:
     """The last state of the iteration, and whether it is steady."""
+    diameter, thickness = size_at_rest(resting_shape(train.cell, train.resolution.degree))
+    # A train that follows from another one need not have room at rest.
+    train.check_room(diameter, thickness if start is None else 0.0)
     system = steady_system(
         train, close=start is not None and comes_close(train, start.coefficients)
     )

@@ -28,6 +28,8 @@ NUMBERS = (
     "leading_azimuthal_number",
     "leading_wave_number",
     "leading_frequency",
+    "tumbling",
+    "tank_treading",
     "axisymmetric_growth_rate",
     "numerical_abscissa",
     "transient_azimuthal_number",

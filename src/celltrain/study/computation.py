@@ -5,7 +5,8 @@ from typing import Any, Protocol
 
 import jax
 
-from celltrain.parameters import Train
+from celltrain.diagnostics import mode_motion
+from celltrain.parameters import CaseError, Train
 from celltrain.stability import Stability, stability
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.study.definition import Computed
@@ -50,7 +51,7 @@ class StabilityOfCase:
     def __call__(self, train: Train, start: Base | None) -> Outcome:
         """See `Computation`.
 
-        **Raises:** `NotConverged` if no steady train was found.
+        **Raises:** `NotConverged` or `CaseError` if no steady train was found.
         """
         try:
             base = self._steady(train, start)
@@ -64,7 +65,7 @@ class StabilityOfCase:
         first, second = (None, start) if self.computed.start == "rest" else (start, None)
         try:
             return steady(train, start=first)
-        except NotConverged:
+        except (NotConverged, CaseError):
             if start is None:
                 raise
             return steady(train, start=second)
@@ -73,6 +74,7 @@ class StabilityOfCase:
 def values_of(result: Stability) -> dict[str, float]:
     """The numbers of a result that maps are made of, by their names among `STUDY_QUANTITIES`."""
     base, leading, transient = result.base, result.leading, result.transient
+    turning = mode_motion(result, leading)
     # What a march of the axisymmetric train alone would reach has none that grow.
     axisymmetric = (
         mode.growth_rate
@@ -92,6 +94,8 @@ def values_of(result: Stability) -> dict[str, float]:
         "leading_azimuthal_number": float(leading.azimuthal_number),
         "leading_wave_number": float(leading.wave_number),
         "leading_frequency": leading.frequency,
+        "tumbling": turning.tumbling,
+        "tank_treading": turning.tank_treading,
         "axisymmetric_growth_rate": max(axisymmetric),
         "numerical_abscissa": result.numerical_abscissa,
         "transient_azimuthal_number": float(transient.azimuthal_number),

@@ -7,6 +7,19 @@ _OF_CASES = (
     Quantity("leading_wave_number", "j", "1", "wave number j of q = 2 pi j/N of the leading mode"),
     Quantity("leading_frequency", r"\omega", "U/r0", "frequency of the leading mode"),
     Quantity(
+        "tumbling",
+        r"|\omega|",
+        "U/r0^2",
+        "rate at which the cells' axes turn in the leading mode, for each unit of its amplitude",
+    ),
+    Quantity(
+        "tank_treading",
+        r"|\Omega - \omega|",
+        "U/r0^2",
+        "rate at which membranes turn around their cells in the leading mode, for each unit of its"
+        " amplitude",
+    ),
+    Quantity(
         "axisymmetric_growth_rate",
         r"\alpha_0(0)",
         "U/r0",

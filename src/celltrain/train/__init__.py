@@ -7,6 +7,7 @@ from celltrain.train.geometry import (
     clearance,
     largest_radius,
     meridian,
+    size_at_rest,
     streamwise_gap,
     volume_gradient,
 )
@@ -36,6 +37,7 @@ __all__ = [
     "place_cells",
     "rates_error",
     "resting_shapes",
+    "size_at_rest",
     "streamwise_gap",
     "train_membrane",
     "train_operator",

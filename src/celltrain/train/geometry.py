@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.harmonics import harmonic_tables, real_harmonics, sphere_grid
+from celltrain.parameters.reference_shape import profile_measures
 
 
 def meridian(
@@ -19,6 +20,11 @@ def meridian(
 def largest_radius(shape: Float[np.ndarray, "3 coefficient"]) -> float:
     """Largest distance of an axisymmetric cell's membrane from the axis, in r0."""
     return float(meridian(shape)[0].max())
+
+
+def size_at_rest(shape: Float[np.ndarray, "3 coefficient"]) -> tuple[float, float]:
+    """Largest diameter and largest axial thickness of an axisymmetric cell, in r0."""
+    return profile_measures(np.stack(meridian(shape), axis=-1))
 
 
 def streamwise_gap(shape: Float[np.ndarray, "3 coefficient"], period: float) -> float:

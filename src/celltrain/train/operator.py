@@ -20,8 +20,13 @@ from celltrain.flow.close import close_rule
 from celltrain.flow.neighbours import CloseEvaluation
 from celltrain.flow.sources import Surface
 from celltrain.harmonics import SphereGrid, sphere_grid
-from celltrain.membrane import Membrane, make_membrane, reference_coefficients
-from celltrain.membrane.laws import make_law
+from celltrain.membrane import (
+    Membrane,
+    make_bending,
+    make_law,
+    make_membrane,
+    resting_shape,
+)
 from celltrain.parameters import Resolution, Train
 from celltrain.train.gmres import Convergence
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
@@ -227,17 +232,15 @@ def train_membrane(train: Train) -> Membrane:
     cell, resolution = train.cell, train.resolution
     return make_membrane(
         make_law(cell.law, cell.shear_modulus, cell.dilatation_modulus),
-        cell.bending_modulus,
-        reference_coefficients(resolution.degree, cell.reference),
+        make_bending(cell.bending, cell.bending_modulus, cell.spontaneous_curvature),
+        resting_shape(cell, resolution.degree),
         energy_order=resolution.energy_order,
     )
 
 
 def resting_shapes(train: Train, cells: int) -> Float[np.ndarray, "cell 3 coefficient"]:
     """Resting cells on the axis, one period apart, the first at z = 0."""
-    return place_cells(
-        reference_coefficients(train.resolution.degree, train.cell.reference), train, cells
-    )
+    return place_cells(resting_shape(train.cell, train.resolution.degree), train, cells)
 
 
 def place_cells(

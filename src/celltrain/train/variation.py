@@ -62,7 +62,7 @@ class Variation(eqx.Module):
         value = {**self.start, **values}
         tube = self.operator.tube
         membrane = eqx.tree_at(
-            lambda each: (each.law, each.bending_modulus),
+            lambda each: (each.law, each.bending.modulus),
             self.operator.membrane,
             (
                 make_law(self.law, value["shear_modulus"], value["dilatation_modulus"]),

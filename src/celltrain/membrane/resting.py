@@ -1,0 +1,67 @@
+"""The shape at rest that a cell's parameters describe."""
+
+import numpy as np
+from jaxtyping import Float
+from scipy.interpolate import CubicSpline
+
+from celltrain.harmonics import coefficient_index, real_harmonics, sphere_grid
+from celltrain.membrane.equilibrium import relaxed_shape
+from celltrain.membrane.reference import reference_coefficients
+from celltrain.parameters import CaseError, Cell
+from celltrain.parameters.reference_shape import spheroid_axes
+
+#: Largest distance, in r0, of a profile's points from the shape that a degree makes of them.
+LARGEST_MISFIT = 0.02
+
+
+def resting_shape(cell: Cell, degree: int) -> Float[np.ndarray, "3 coefficient"]:
+    """Coefficients, below `degree`, of a cell at rest, its axis the tube's.
+
+    **Raises:** `CaseError` for a profile that the degree cannot follow; `RuntimeError` if no shape
+    of the cell's reduced volume was found.
+    """
+    if cell.reduced_volume is not None:
+        return relaxed_shape(degree, cell.reduced_volume)
+    if cell.profile is not None:
+        return profile_shape(np.array(cell.profile), degree)
+    if cell.aspect_ratio is not None:
+        radius, height = spheroid_axes(cell.aspect_ratio)
+        return np.array([[radius], [radius], [height]]) * reference_coefficients(degree, "sphere")
+    return reference_coefficients(degree, cell.reference)
+
+
+def profile_shape(
+    points: Float[np.ndarray, "point 2"], degree: int
+) -> Float[np.ndarray, "3 coefficient"]:
+    """Coefficients of the surface with a meridian through points, its mean height at 0.
+
+    A cubic spline in the chord length; theta is its arc length, scaled. Then the projection on the
+    harmonics.
+
+    **Raises:** `CaseError` if a point is farther from the surface than `LARGEST_MISFIT`.
+    """
+    chord = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    # Mirror images of the first and the last piece make the poles smooth.
+    mirrored = np.concatenate([[-chord[1]], chord, [2.0 * chord[-1] - chord[-2]]])
+    ends = np.concatenate([points[1:2] * [-1.0, 1.0], points, points[-2:-1] * [-1.0, 1.0]])
+    distance, height = (CubicSpline(mirrored, ends[:, i]) for i in (0, 1))
+    fine = np.linspace(0.0, chord[-1], 20 * len(points) + 1)
+    speed = np.hypot(distance(fine, 1), height(fine, 1))
+    middles = 0.5 * (speed[1:] + speed[:-1]) * np.diff(fine)
+    arc = np.concatenate([[0.0], np.cumsum(middles)])
+    place = CubicSpline(np.pi * arc / arc[-1], fine)
+    grid = sphere_grid(degree, max(64, 3 * degree))
+    theta, phi = grid.points()
+    rho, z = distance(place(theta)), height(place(theta))
+    surface = np.stack([rho * np.cos(phi), rho * np.sin(phi), z])
+    shape = surface * np.asarray(grid.weights) @ np.asarray(grid.values)
+    angle = np.pi * np.interp(chord, fine, arc) / arc[-1]
+    found = shape @ real_harmonics(degree, angle, np.zeros_like(angle)).T
+    misfit = float(np.hypot(found[0] - points[:, 0], found[2] - points[:, 1]).max())
+    if misfit > LARGEST_MISFIT:
+        raise CaseError(
+            f"degree = {degree} is not allowed with this profile: its shape is {misfit:.3f} r0 away"
+            f" from a point, allowed: {LARGEST_MISFIT:g} r0; take a higher degree"
+        )
+    shape[2, coefficient_index(0, 0)] = 0.0
+    return shape

@@ -1,0 +1,128 @@
+"""Strength of the flow: Fig. 16, and the paper's statements about it (Sec. V D)."""
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from celltrain.paper.curves import draw_curves, side_by_side
+from celltrain.paper.finding import Finding, at, finding, first_case, in_paper_units, number
+from celltrain.parameters import paper_units
+
+SPARSE, DENSE = 0.2, 0.7
+#: The paper's usual capillary number.
+USUAL = 0.66
+#: What "by a factor of about two" may mean, and "by 0.11 r0".
+ABOUT_TWO, WALL_FALL, WALL_LEEWAY = (1.5, 2.7), 0.11, 0.03
+#: How far slopes that "match" may differ.
+MATCH = (0.5, 2.0)
+
+
+def in_paper_axes(data: xr.Dataset) -> xr.Dataset:
+    """A study in SI over mean velocities, over Ca as the paper counts it and diameters in r0."""
+    train = first_case(data)
+    scales = train.scales
+    modulus = train.leaves("SI")["shear_modulus"]
+    capillary = scales.plasma_viscosity * data["mean_velocity"].values / modulus
+    return data.assign_coords(
+        diameter=data["diameter"].values / scales.radius,
+        mean_velocity=paper_units.capillary_number(capillary),
+    ).rename(mean_velocity="Ca")
+
+
+def draw_over_flow(data: xr.Dataset, path: Path) -> Path:
+    """Fig. 16: alpha over Ca for sparse and dense trains, in the paper's units.
+
+    Raises:
+        OSError: if the picture cannot be written.
+    """
+    data = in_paper_axes(data)
+    figure, panels = side_by_side(2)
+    for axes, packing in zip(panels, (SPARSE, DENSE), strict=True):
+        alpha, error = (
+            in_paper_units(at(data[name], packing=packing))
+            for name in ("spectral_abscissa", "error_estimate")
+        )
+        draw_curves(axes, alpha, "Ca", error)
+        axes.axvline(USUAL, color="0.5", linestyle="--", linewidth=0.8)
+        axes.set(xscale="log", xlabel="Ca", ylabel=r"$\alpha\, r_0/U^*$", ylim=(0.0, None))
+        axes.set_title(f"{axes.get_title()}  $\\phi$ = {packing:g}", fontsize=10)
+    figure.savefig(path)
+    return path
+
+
+def flow_findings(data: xr.Dataset) -> list[Finding]:
+    """The statements about the strength of the flow (Fig. 16), in each tube."""
+    data = in_paper_axes(data)
+    return [each for diameter in data.diameter.values for each in _of_tube(data, diameter)]
+
+
+def _of_tube(data: xr.Dataset, diameter: float) -> list[Finding]:
+    alpha, error = (
+        in_paper_units(at(data[name], diameter=diameter))
+        for name in ("spectral_abscissa", "error_estimate")
+    )
+    thin, thick = at(alpha, packing=SPARSE), at(alpha, packing=DENSE)
+
+    def told(packing: float, capillary: float) -> str:
+        place = {"packing": packing, "Ca": capillary}
+        return f"{number(at(alpha, **place), at(error, **place))} at Ca = {capillary:g}"
+
+    first, last = float(thin.Ca[0]), float(thin.Ca[-1])
+    fall = float(at(thin, Ca=1.0) / at(thin, Ca=10.0))
+    radius = at(data["largest_radius"], diameter=diameter, packing=SPARSE)
+    # The distance to the wall falls as the largest radius grows.
+    nearer = float(radius[-1] - radius[0])
+    gap = at(data["gap"], diameter=diameter, packing=DENSE)
+    rises, falls = _slope(thick), -_slope(gap)
+    return [
+        finding(
+            "P24",
+            f"D = {diameter:g}, packing {SPARSE:g}: alpha falls with Ca",
+            f"{told(SPARSE, first)}, {told(SPARSE, last)}; {_share(-thin):.0%} of all steps fall",
+            float(thin[-1]) < float(thin[0]),
+            thin,
+        ),
+        finding(
+            "P24",
+            f"D = {diameter:g}, packing {SPARSE:g}: by about a factor of 2 from Ca = 1 to 10",
+            f"a factor {fall:.2f}: {told(SPARSE, 1.0)}, {told(SPARSE, 10.0)}",
+            ABOUT_TWO[0] < fall < ABOUT_TWO[1],
+            [fall],
+        ),
+        finding(
+            "P24",
+            f"D = {diameter:g}, packing {SPARSE:g}: the distance from the wall falls by"
+            f" {WALL_FALL:g} r0 over all Ca",
+            f"by {nearer:.3f} r0 from Ca = {first:.3g} to {last:.3g}",
+            abs(nearer - WALL_FALL) < WALL_LEEWAY,
+            radius,
+        ),
+        finding(
+            "P25",
+            f"D = {diameter:g}, packing {DENSE:g}: alpha rises with Ca",
+            f"{told(DENSE, first)}, {told(DENSE, last)}; {_share(thick):.0%} of all steps rise",
+            float(thick[-1]) > float(thick[0]) and _share(thick) == 1.0,
+            thick,
+        ),
+        finding(
+            "P25",
+            f"D = {diameter:g}, packing {DENSE:g}: at the rate at which the gap falls",
+            f"d ln alpha/d ln Ca = {rises:.2f}, d ln gap/d ln Ca = {-falls:.2f}; gap"
+            f" {float(gap[0]):.3f} to {float(gap[-1]):.3f} r0",
+            falls > 0.0 and MATCH[0] < rises / falls < MATCH[1],
+            xr.concat([thick, gap], "number").where(lambda each: each > 0.0),
+        ),
+    ]
+
+
+def _share(values: xr.DataArray) -> float:
+    """Share of the steps along a curve that rise."""
+    return float(np.mean(np.diff(values.values) > 0.0))
+
+
+def _slope(values: xr.DataArray) -> float:
+    """Slope of a straight line through a curve with logarithmic axes; nan if it is not positive."""
+    if not (values > 0.0).all():
+        return float("nan")
+    return float(np.polyfit(np.log(values.Ca.values), np.log(values.values), 1)[0])

@@ -1,0 +1,196 @@
+"""Shapes at rest: the family of reduced volumes, spheroids, and shapes from points."""
+
+import tomllib
+from pathlib import Path
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from celltrain import CaseError, Train, stability, steady
+from celltrain.membrane import reference_coefficients, resting_shape
+from celltrain.membrane.equilibrium import REPULSION_RANGE, imbalance, relaxation, relaxed_shape
+from celltrain.parameters import Cell, merge_case
+from celltrain.parameters.profile import enclosed
+from celltrain.train import area_vectors, meridian, size_at_rest, train_membrane
+
+DEGREE = 8
+CUP_POINTS = 60
+
+
+def area_and_volume(shape: np.ndarray) -> tuple[float, float]:
+    """From the vectors n dS/dOmega, by rules other than those of the minimisation."""
+    fine = np.zeros((3, 24**2))
+    fine[:, : shape.shape[1]] = shape
+    vectors, weights, values = area_vectors(fine)
+    places = values @ fine.T
+    volume = np.sum(weights * np.sum(places * vectors, axis=1)) / 3.0
+    return float(np.linalg.norm(vectors, axis=1) @ weights), float(volume)
+
+
+def reduced(shape: np.ndarray) -> float:
+    area, volume = area_and_volume(shape)
+    return 6.0 * np.sqrt(np.pi) * volume / area**1.5
+
+
+def cup() -> np.ndarray:
+    """Points of a stomatocyte: a shell of two spherical caps with a round rim."""
+    angle = np.linspace(0.0, 1.0, CUP_POINTS)
+    theta = np.pi * angle
+    radius = 1.2 * np.sin(theta)
+    return np.stack([radius, 0.45 * np.cos(theta) - 0.35 * radius**2 + 0.3], axis=1)
+
+
+@pytest.mark.parametrize("v", [0.4, 0.55, 0.61, 0.8, 0.95])
+def test_area_is_the_healthy_cells_and_volume_is_v(v: float) -> None:
+    area, _ = area_and_volume(reference_coefficients(DEGREE, "biconcave"))
+    shape = relaxed_shape(DEGREE, v)
+    found, volume = area_and_volume(shape)
+    assert_allclose(found, area, rtol=1e-8)
+    assert_allclose(volume, v * 4 / 3 * np.pi * (area / (4 * np.pi)) ** 1.5, rtol=1e-8)
+
+
+@pytest.mark.parametrize("v", [0.4, 0.55, 0.8, 0.95])
+def test_no_other_shape_nearby_has_less_energy(v: float) -> None:
+    problem = relaxation(DEGREE)
+    unknowns = problem.unknowns(jnp.asarray(relaxed_shape(DEGREE, v)))
+    assert_allclose(problem.shape(unknowns), relaxed_shape(DEGREE, v), atol=1e-14)
+    assert np.abs(imbalance(problem, np.asarray(unknowns))).max() < 1e-5
+    # Displacements, brought back to the same area and volume by Newton's method.
+    energy, held = eqx.filter_jit(problem.energy), eqx.filter_jit(problem.held)
+    least, target = float(energy(unknowns)), np.asarray(held(unknowns))
+    normals = np.asarray(jax.jacfwd(problem.held)(unknowns))
+    inverse = np.linalg.pinv(normals)
+    random = np.random.default_rng(0)
+    for _ in range(5):
+        moved = unknowns + 0.02 * random.normal(size=unknowns.size)
+        for _ in range(8):
+            moved = moved - inverse @ (np.asarray(held(moved)) - target)
+        assert_allclose(held(moved), target, rtol=1e-6)
+        assert float(energy(moved)) > least + 1e-4
+
+
+def test_the_healthy_cell_is_a_member_and_the_sphere_another() -> None:
+    healthy = reference_coefficients(DEGREE, "biconcave")
+    v = reduced(healthy)
+    assert v == pytest.approx(0.6444, abs=5e-5)
+    # It is free of stress, so nothing relaxes.
+    assert_allclose(relaxed_shape(DEGREE, v), healthy, rtol=0, atol=1e-7)
+    area, _ = area_and_volume(healthy)
+    ball = relaxed_shape(DEGREE, 1.0)
+    assert_allclose(ball, np.sqrt(area / (4 * np.pi)) * reference_coefficients(DEGREE, "sphere"))
+    # Towards it the shapes tend like the square root of what is missing.
+    radii = [meridian(relaxed_shape(12, 1 - each))[0].max() for each in (1e-2, 1e-4)]
+    missing = np.array(radii) - meridian(ball)[0].max()
+    assert missing[0] / missing[1] == pytest.approx(10, rel=0.2)
+
+
+@pytest.mark.parametrize("v", [0.4, 0.5, 0.6])
+def test_faces_of_a_thin_cell_stay_apart(v: float) -> None:
+    problem = relaxation(DEGREE)
+    shape = relaxed_shape(DEGREE, v)
+    thickness, _ = problem.thickness(jnp.asarray(shape))
+    least = np.asarray(thickness)[np.asarray(problem.upper) > 0].min()
+    assert 0.5 * REPULSION_RANGE < least < REPULSION_RANGE
+    rho, z = meridian(shape)
+    assert (z[1:1000] > 0.0).all()
+    assert (np.diff(rho)[:1000] > -1e-12).all()
+
+
+def test_wrong_shapes_are_refused(tmp_path: Path) -> None:
+    case = {"diameter": 8.0, "packing": 0.2}
+    for leaves, words in (
+        ({"reduced_volume": 0.3}, r"reduced_volume = 0.3 is not allowed; allowed: .*0.4 to 1"),
+        ({"reduced_volume": 0.8, "reference": "sphere"}, "with reference = 'sphere'"),
+        ({"aspect_ratio": 0.5}, "aspect_ratio = 0.5 .* with reference = 'spheroid'"),
+        ({"reference": "spheroid"}, "needs aspect_ratio"),
+        ({"reference": "profile"}, "needs profile"),
+        ({"reference": "profile", "profile": "nowhere.csv"}, "cannot be read"),
+        ({"reference": "profile", "profile": [[0, 1], [1, 0], [0, -1]]}, "3 points"),
+        ({"reference": "profile", "profile": cup()[1:].tolist()}, "on the axis"),
+        ({"reference": "profile", "profile": crossing().tolist()}, "crosses itself"),
+    ):
+        with pytest.raises(CaseError, match=words):
+            Train(**case, **leaves)
+    words = tmp_path / "words.csv"
+    words.write_text("rho, z\n0, 1\n")
+    with pytest.raises(CaseError, match="two numbers"):
+        Train(**case, reference="profile", profile=str(words))
+
+
+def crossing() -> np.ndarray:
+    points = cup()
+    points[10:30] = points[10:30][::-1]
+    return points
+
+
+def test_a_spheroid_has_the_healthy_cells_volume() -> None:
+    cell = Cell(reference="spheroid", aspect_ratio=0.5)
+    shape = resting_shape(cell, DEGREE)
+    assert area_and_volume(shape)[1] == pytest.approx(4 / 3 * np.pi, rel=1e-12)
+    diameter, thickness = size_at_rest(shape)
+    assert thickness / diameter == pytest.approx(0.5, rel=1e-4)
+    with pytest.raises(CaseError, match="overlap"):
+        Train(diameter=8, packing=0.4, reference="spheroid", aspect_ratio=2.0)
+
+
+def test_a_shape_from_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "cup.csv"
+    # From the lower pole to the upper one is as good.
+    np.savetxt(path, cup()[::-1], delimiter=",", header="distance from the axis, height")
+    train = Train(diameter=8, packing=0.2, reference="profile", profile=str(path), degree=12)
+    shape = resting_shape(train.cell, 12)
+    rho, z = meridian(shape)
+    distance = np.hypot(rho[:, None] - cup()[:, 0], z[:, None] - (cup()[:, 1] - mean_height(shape)))
+    assert distance.min(axis=0).max() < 0.03
+    assert area_and_volume(shape)[1] == pytest.approx(enclosed(cup()), rel=0.02)
+    # The case holds the points: it needs no file any more.
+    path.unlink()
+    assert merge_case(tomllib.loads(train.to_toml()), {}) == train
+    with pytest.raises(CaseError, match="take a higher degree"):
+        resting_shape(Cell(reference="profile", profile=spiky().tolist()), 6)
+
+
+def mean_height(shape: np.ndarray) -> float:
+    """By how much the file's shape was moved, from its upper pole."""
+    return float(cup()[0, 1] - meridian(shape)[1][0])
+
+
+def spiky() -> np.ndarray:
+    points = cup()
+    points[25:35, 1] += 0.1
+    return points
+
+
+def test_profile_of_a_sphere_is_the_sphere() -> None:
+    theta = np.linspace(0, np.pi, 40)
+    points = np.stack([np.sin(theta), np.cos(theta)], axis=1)
+    points[[0, -1], 0] = 0.0
+    shape = resting_shape(Cell(reference="profile", profile=points.tolist()), DEGREE)
+    assert_allclose(shape, reference_coefficients(DEGREE, "sphere"), rtol=0, atol=1e-4)
+
+
+def test_a_train_of_inflated_cells() -> None:
+    train = Train(diameter=8, packing=0.2, cells=2, degree=6, tolerance=1e-4, reduced_volume=0.8)
+    base = steady(train, estimate_error=False)
+    membrane = train_membrane(train)
+    held = float(membrane.volume(jnp.asarray(base.coefficients)))
+    area, _ = area_and_volume(reference_coefficients(6, "biconcave"))
+    assert held == pytest.approx(0.8 * area**1.5 / (6 * np.sqrt(np.pi)), rel=1e-8)
+    assert base.residual < 1e-9
+    result = stability(base, azimuthal_numbers=(0, 1), estimate_error=False)
+    assert np.isfinite(result.spectral_abscissa)
+    # Volumes and turns about the axis are neutral as in any train.
+    assert sum(mode.neutral for mode in result.modes) >= 2
+
+
+def test_no_room_at_rest_is_found_when_the_shape_is_known() -> None:
+    thick = Train(diameter=8, packing=0.7, degree=6, reduced_volume=0.95)
+    with pytest.raises(CaseError, match=r"reduced volume 0\.95.* overlap"):
+        steady(thick)
+    wide = Train(diameter=2.8, packing=0.2, degree=6, reduced_volume=0.45)
+    with pytest.raises(CaseError, match="tube must be wider"):
+        steady(wide)
