@@ -1,0 +1,98 @@
+"""Compiled loops compute what the formulas say, which give their derivatives."""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.special import erfc
+
+from celltrain.compiled.near_loops import _near_parts
+from celltrain.flow.force_sums import _formula, force_sums
+from celltrain.flow.near import Listed, _pair_sums_formula, pair_sums
+
+XI = 1.3
+CHUNKS, TARGETS, BLOCKS, SOURCES, IMAGES = 3, 5, 4, 7, 1
+
+
+def inputs() -> list[jax.Array]:
+    """Targets, points, forces, stresslets and period."""
+    random = np.random.default_rng(3)
+    shapes = ((CHUNKS, TARGETS, 3), *((BLOCKS, SOURCES, parts) for parts in (3, 3, 6)))
+    made = [jnp.asarray(random.normal(size=shape)) for shape in shapes]
+    return [*made, jnp.asarray(0.5)]
+
+
+def listed(*, keep: bool) -> Listed:
+    """A few pairs of many, one of them twice, with the rest of the list unused."""
+    random = np.random.default_rng(4)
+    images = 2 * IMAGES + 1
+    pairs = random.integers(0, images * CHUNKS * BLOCKS, size=20)
+    pairs[1] = pairs[0]
+    kept = random.random((images, CHUNKS, TARGETS, 2)) < 0.6
+    return Listed(
+        jnp.asarray(pairs),
+        jnp.asarray(12),
+        jnp.asarray([0, 1, 0, 1]),
+        IMAGES,
+        jnp.asarray(kept) if keep else None,
+    )
+
+
+@pytest.mark.parametrize("square", [1e-8, 0.01, 0.5, 3.0, 12.0, 50.0])
+def test_parts_of_the_near_kernel(square: float) -> None:
+    screened, gauss, inverse = _near_parts(square, XI)
+    r = np.sqrt(square)
+    # Relative to the free kernel, which is what errors are measured by.
+    assert_allclose(screened * r, erfc(XI * r), rtol=0, atol=1e-12)
+    assert_allclose(gauss, 2 * XI / np.sqrt(np.pi) * np.exp(-((XI * r) ** 2)), rtol=0, atol=1e-12)
+    assert_allclose(inverse * square, 1.0, rtol=1e-14)
+
+
+@pytest.mark.parametrize("keep", [False, True])
+@pytest.mark.parametrize("absent", [None, 2, 3])
+def test_pairs(keep: bool, absent: int | None) -> None:
+    given = inputs()
+    if absent is not None:
+        given[absent] = None
+    pairs = listed(keep=keep)
+    found = jax.jit(partial(pair_sums, XI))(*given, pairs)
+    expected = jax.jit(partial(_pair_sums_formula, XI))(pairs, *given)
+    assert np.abs(expected).max() > 0.1
+    assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_derivative_of_the_pairs() -> None:
+    given, pairs = inputs(), listed(keep=True)
+    random = np.random.default_rng(5)
+    moved = [jnp.asarray(random.normal(size=each.shape)) for each in given]
+
+    def sums(step: float) -> jax.Array:
+        return pair_sums(XI, *(a + step * b for a, b in zip(given, moved, strict=True)), pairs)
+
+    found = jax.jvp(sums, (0.0,), (1.0,))[1]
+    step = 1e-5
+    expected = (sums(step) - sums(-step)) / (2 * step)
+    assert_allclose(found, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
+
+
+def test_nodes() -> None:
+    random = np.random.default_rng(6)
+    targets = jnp.asarray(random.normal(size=(2, 3, 3)))
+    nodes = jnp.asarray(random.normal(size=(6, 2, 3, 4, 5)))
+    weights = jnp.asarray(random.random((4, 5)))
+    found = jax.jit(partial(force_sums, XI))(targets, nodes, weights)
+    expected = _formula(XI, targets, nodes, weights)
+    assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_what_is_no_number_stays_none() -> None:
+    given, pairs = inputs(), listed(keep=False)
+    given[0] = given[0].at[1, 2, 0].set(jnp.nan)
+    found = np.asarray(pair_sums(XI, *given, pairs))
+    image = np.flatnonzero((np.asarray(pairs.pairs[:12]) // BLOCKS) % CHUNKS == 1)
+    assert image.size
+    assert np.isnan(found[:, 1, 2]).any()
+    assert np.isfinite(np.delete(found, 1, axis=1)).all()
