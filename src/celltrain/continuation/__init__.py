@@ -22,8 +22,16 @@ from celltrain.continuation.branch import (
     check_branch,
     follow_branch,
 )
+from celltrain.continuation.deflation import (
+    Attempt,
+    Search,
+    deflated_newton,
+    deflated_step,
+    further_trains,
+)
 
 __all__ = [
+    "Attempt",
     "BoundaryPoint",
     "Branch",
     "BranchPoint",
@@ -32,12 +40,16 @@ __all__ = [
     "Ending",
     "Evaluation",
     "NoSolution",
+    "Search",
     "StabilityBoundary",
     "Steps",
     "branch",
     "check_branch",
+    "deflated_newton",
+    "deflated_step",
     "follow_boundary",
     "follow_branch",
+    "further_trains",
     "stability_boundary",
     "trace_curve",
 ]
