@@ -5,31 +5,32 @@ XLA calls a C function with one argument, the address of a frame of 64-bit words
 interface). Before the first call it asks for the version that the function was written for. A loop
 is
 
-    @cfunc(HANDLER, cache=True)
-    def handler(frame_address):
+    @handler("name")
+    def loop(frame_address):
         if is_question(frame_address):
             return describe(frame_address)
         values = numbers(frame_address, 0)
         result(frame_address)[:] = ...
         return 0
 
-and `register("name", handler)` lets `jax.ffi.ffi_call("name", ...)` find it. Arrays are handed over
-flat, in C order; a handler must not raise. Numba keeps the machine code beside the source files, or
-in its cache folder where these cannot be written; after a change in this module remove it.
+which `jax.ffi.ffi_call("name", ...)` calls. Arrays are handed over flat, in C order; a loop must
+not raise. Numba keeps the machine code beside the source files, or in its cache folder where these
+cannot be written; after a change in this module remove it.
 """
 
 import ctypes
+from collections.abc import Callable
 from typing import Any
 
 import jax
 import numpy as np
-from numba import carray, njit, types
+from numba import carray, cfunc, njit, types
 from numba.extending import intrinsic
 
 import celltrain.runtime  # noqa: F401
 
-#: Signature of a handler: address of the frame -> address of an error, 0 for none.
-HANDLER = types.int64(types.int64)
+# Address of the frame -> address of an error, 0 for none.
+_SIGNATURE = types.int64(types.int64)
 
 # Words of the frame: what extends it, and the lists of the arguments' and results' addresses.
 _EXTENSION, _ARGUMENTS, _RESULTS, _FRAME_WORDS = 1, 9, 14, 22
@@ -119,9 +120,19 @@ def result(frame: int) -> Any:
     return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.float64)
 
 
-def register(name: str, handler: Any) -> None:
-    """Let `jax.ffi.ffi_call(name, ...)` call a handler, on processors."""
-    make_capsule = ctypes.pythonapi.PyCapsule_New
-    make_capsule.restype = ctypes.py_object
-    make_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
-    jax.ffi.register_ffi_target(name, make_capsule(handler.address, None, None), platform="cpu")
+def handler(name: str) -> Callable[[Callable[[int], int]], Any]:
+    """Compile a loop, and let `jax.ffi.ffi_call(name, ...)` call it, on processors."""
+
+    def compiled(loop: Callable[[int], int]) -> Any:
+        try:
+            made = cfunc(_SIGNATURE, cache=True)(loop)
+        except RuntimeError:
+            # Nowhere to keep the machine code: it is made anew in every process.
+            made = cfunc(_SIGNATURE)(loop)
+        make_capsule = ctypes.pythonapi.PyCapsule_New
+        make_capsule.restype = ctypes.py_object
+        make_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
+        jax.ffi.register_ffi_target(name, make_capsule(made.address, None, None), platform="cpu")
+        return made
+
+    return compiled

@@ -8,16 +8,15 @@ of their own.
 import math
 from typing import Any
 
-from numba import cfunc, njit
+from numba import njit
 
 from celltrain.compiled.call_frame import (
-    HANDLER,
     describe,
     flags,
+    handler,
     integers,
     is_question,
     numbers,
-    register,
     result,
     sizes,
 )
@@ -163,7 +162,7 @@ def _pair_loop(block: Any) -> Any:
 _force_pairs, _stresslet_pairs = _pair_loop(_force_block), _pair_loop(_stresslet_block)
 
 
-@cfunc(HANDLER, cache=True)
+@handler(FORCE_PAIRS)
 def _force_pairs_handler(frame: int) -> int:
     if is_question(frame):
         return describe(frame)
@@ -171,7 +170,7 @@ def _force_pairs_handler(frame: int) -> int:
     return 0
 
 
-@cfunc(HANDLER, cache=True)
+@handler(STRESSLET_PAIRS)
 def _stresslet_pairs_handler(frame: int) -> int:
     if is_question(frame):
         return describe(frame)
@@ -197,7 +196,7 @@ def _node_forces(
     return u, v, w
 
 
-@cfunc(HANDLER, cache=True)
+@handler(NODE_FORCES)
 def _node_forces_handler(frame: int) -> int:
     if is_question(frame):
         return describe(frame)
@@ -209,11 +208,3 @@ def _node_forces_handler(frame: int) -> int:
         x, y, z = targets[t]
         sums[t] = _node_forces(x, y, z, values[:3], values[3:], t, weights, xi)
     return 0
-
-
-for _name, _handler in (
-    (FORCE_PAIRS, _force_pairs_handler),
-    (STRESSLET_PAIRS, _stresslet_pairs_handler),
-    (NODE_FORCES, _node_forces_handler),
-):
-    register(_name, _handler)
