@@ -71,7 +71,8 @@ def study() -> None:
 Two biconcave cells in a tube of diameter 8 r0, {OFFSETS[0]:g} and {OFFSETS[1]:g} r0 off the axis,
 tilted by {TILTS[0]:g} and {TILTS[1]:g} radians, bent, viscosity ratio 5, one displaced along the
 tube from where they would touch by the distance given. The first line is the estimate (one
-evaluation with all rules finer by a quarter and a tolerance ten times smaller); the others are
+evaluation with all rules finer by a quarter, the target grid by three quarters, and a tolerance ten
+times smaller); the others are
 changes of the velocity on the membranes when one rule alone is refined further, both relative to
 the largest velocity. Default resolution (M = 12).
 """
