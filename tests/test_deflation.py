@@ -1,28 +1,27 @@
-"""Newton's method with known roots taken out finds the others, and says what it tried."""
+"""Newton's method with known roots taken out finds the others; a search says what it tried."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError
-from celltrain.continuation import deflated_newton, deflated_step, further_trains
-from celltrain.continuation.deflation import SAME, TOLERANCE, UNIT
+from celltrain.continuation import Evaluation, NoSolution, Tries, deflated_newton, search_trains
+from celltrain.continuation.deflation import deflated_step, deflation
+from celltrain.continuation.search import SAME, is_a_cell, reversed_shape
+from celltrain.harmonics import coefficient_index
+from celltrain.train import axisymmetric_basis
 
 # x^3 = x and y^2 = 4: six roots.
 ROOTS = {(x, y) for x in (-1.0, 0.0, 1.0) for y in (-2.0, 2.0)}
+START = np.array([0.7, 1.3])
 
 
-def residual(point: np.ndarray) -> np.ndarray:
-    return np.array([point[0] ** 3 - point[0], point[1] ** 2 - 4.0])
-
-
-def jacobian(point: np.ndarray) -> np.ndarray:
-    return np.diag([3 * point[0] ** 2 - 1.0, 2 * point[1]])
-
-
-def equations(point: np.ndarray) -> tuple[np.ndarray, float]:
-    value = residual(point)
-    return -np.linalg.solve(jacobian(point), value), float(np.abs(value).max())
+def problem(point: np.ndarray, _: None) -> Evaluation[None]:
+    if np.abs(point).max() > 10.0:
+        raise NoSolution("far away")
+    residual = np.array([point[0] ** 3 - point[0], point[1] ** 2 - 4.0])
+    jacobian = np.diag([3 * point[0] ** 2 - 1.0, 2 * point[1]])
+    return Evaluation(residual, jacobian, float(np.abs(residual).max()), None)
 
 
 def test_step_is_newtons_of_the_deflated_equations() -> None:
@@ -30,58 +29,75 @@ def test_step_is_newtons_of_the_deflated_equations() -> None:
     point = np.array([0.4, 1.1])
 
     def deflated(at: np.ndarray) -> np.ndarray:
-        factors = [1.0 / np.sum((at - root) ** 2) + 1.0 for root in known]
-        return np.prod(factors) * residual(at)
+        return deflation(at, known)[0] * problem(at, None).residual
 
+    factors = [1.0 / np.sum((point - root) ** 2) + 1.0 for root in known]
+    assert_allclose(deflation(point, known)[0], np.prod(factors), rtol=1e-14)
     step = 1e-6
     columns = [
         (deflated(point + step * unit) - deflated(point - step * unit)) / (2 * step)
         for unit in np.eye(2)
     ]
     expected = -np.linalg.solve(np.stack(columns, axis=1), deflated(point))
-    found = deflated_step(equations(point)[0], point, known)
+    here = problem(point, None)
+    found = deflated_step(here.residual, here.jacobian, deflation(point, known)[1])
     assert_allclose(found, expected, rtol=1e-7)
 
 
-def test_all_roots_from_one_start() -> None:
+def test_further_roots_from_few_starts() -> None:
     found: list[np.ndarray] = []
-    while True:
-        point, ending, _ = deflated_newton(
-            equations, np.array([0.7, 1.3]), found, tolerance=1e-12, most_iterations=200
-        )
-        if point is None:
-            break
-        found.append(point)
-        assert ending == "found"
-        assert len(found) <= len(ROOTS)
-    # Without deflation the same start gives the same root for ever.
+    for start in (START, -START, START * [1, -1], START * [-1, 1], np.array([0.1, 0.4])):
+        for _ in range(len(ROOTS)):
+            attempt = deflated_newton(problem, start, None, found, Tries(tolerance=1e-12))
+            if not attempt.converged:
+                break
+            # Never the same one again, though Newton's method from here would find it for ever.
+            assert all(np.linalg.norm(attempt.unknowns - root) > 0.5 for root in found)
+            found.append(attempt.unknowns)
     assert {tuple(np.round(point, 9) + 0.0) for point in found} == ROOTS
 
 
 def test_endings() -> None:
-    start = np.array([0.7, 1.3])
-    assert deflated_newton(equations, start, [], tolerance=1e-12, most_iterations=1)[1:] == (
-        "did not converge",
-        1,
-    )
-    assert deflated_newton(lambda _: None, start, [], tolerance=1e-12)[1] == "left what is allowed"
+    attempt = deflated_newton(problem, START, None, [], Tries(most_steps=1))
+    assert not attempt.converged
+    assert attempt.reason == "1 steps were not enough"
+    with pytest.raises(NoSolution):
+        deflated_newton(problem, 20.0 * START, None, [], Tries())
+
+
+def test_meridians_of_cells(coarse_base: Base) -> None:
+    shape = coarse_base.coefficients
+    assert is_a_cell(shape)
+    assert is_a_cell(reversed_shape(shape))
+    assert_allclose(reversed_shape(reversed_shape(shape)), shape)
+    # z = cos(3 theta) over x = sin(theta) meets itself.
+    crossed = np.zeros_like(shape)
+    x, z_1, z_3 = (coefficient_index(*each) for each in ((1, 1), (1, 0), (3, 0)))
+    crossed[0, x] = crossed[1, coefficient_index(1, -1)] = np.sqrt(4 * np.pi / 3)
+    # cos(3 theta) = (8 P_3 - 3 P_1)/5.
+    crossed[2, z_1], crossed[2, z_3] = -0.6 * np.sqrt(4 * np.pi / 3), 1.6 * np.sqrt(4 * np.pi / 7)
+    assert not is_a_cell(crossed)
+    crossed[2, z_1] *= -1.0
+    crossed[2, z_3] = 0.0
+    assert is_a_cell(crossed)
 
 
 @pytest.mark.slow
 def test_search_for_other_trains(coarse_base: Base) -> None:
-    search = further_trains(coarse_base, random_starts=1, most_iterations=10)
-    assert len(search.attempts) == 5
-    assert all(attempt.iterations <= 10 for attempt in search.attempts)
-    assert len(search.found) == sum(attempt.ending == "found" for attempt in search.attempts)
-    assert f"{len(search.attempts)} starts" in str(search)
-    shapes = [coarse_base.coefficients, *(base.coefficients for base in search.found)]
-    for number, base in enumerate(search.found):
-        assert base.residual < TOLERANCE
-        assert base.train == coarse_base.train
-        for other in shapes[: number + 1]:
-            assert np.linalg.norm(base.coefficients - other) > SAME * UNIT
+    shape, basis = coarse_base.coefficients, axisymmetric_basis(6)
+    guesses = [("the known one", shape), ("a moved one", shape + 0.3 * basis[3])]
+    search = search_trains(coarse_base, guesses=guesses, most_tries=3, tries=Tries(most_steps=8))
+    assert search.tries[0].outcome == "the guess is a known train"
+    assert 2 <= len(search.tries) <= 3
+    assert all(each.steps <= 8 for each in search.tries)
+    assert len(search.found) == sum(each.base is not None for each in search.tries)
+    for each in search.found:
+        assert each.base.residual < 1e-9
+        assert each.distance > SAME
+    assert search.to_dataset().sizes["train"] == 1 + len(search.found)
+    assert search.statement in search.to_dataset().attrs["statement"]
 
 
 def test_what_is_refused(coarse_base: Base) -> None:
-    with pytest.raises(CaseError, match="random_starts = -1"):
-        further_trains(coarse_base, random_starts=-1)
+    with pytest.raises(CaseError, match="most_tries = 0"):
+        search_trains(coarse_base, most_tries=0)

@@ -22,12 +22,12 @@ from celltrain.continuation.branch import (
     check_branch,
     follow_branch,
 )
-from celltrain.continuation.deflation import (
-    Attempt,
-    Search,
-    deflated_newton,
-    deflated_step,
-    further_trains,
+from celltrain.continuation.deflation import Attempt, Tries, deflated_newton
+from celltrain.continuation.search import (
+    BranchSearch,
+    FoundTrain,
+    SearchTry,
+    search_trains,
 )
 
 __all__ = [
@@ -35,21 +35,23 @@ __all__ = [
     "BoundaryPoint",
     "Branch",
     "BranchPoint",
+    "BranchSearch",
     "CurveLost",
     "CurvePoint",
     "Ending",
     "Evaluation",
+    "FoundTrain",
     "NoSolution",
-    "Search",
+    "SearchTry",
     "StabilityBoundary",
     "Steps",
+    "Tries",
     "branch",
     "check_branch",
     "deflated_newton",
-    "deflated_step",
     "follow_boundary",
     "follow_branch",
-    "further_trains",
+    "search_trains",
     "stability_boundary",
     "trace_curve",
 ]

@@ -1,8 +1,6 @@
 """Branches of steady trains in one parameter, through folds.
 
-The unknowns are those of a steady train (see `steady.system`), one of its parameters p, and the
-multiplier c that takes the place of the equation which follows from the others; c = 0 in a
-solution. The curve of
+The unknowns are those of a steady train (see `equations`) and one of its parameters p. The curve of
 
     F(a, p, c) = [ v(a, p) - c n,  V(a) - V0 ]
 
@@ -11,7 +9,7 @@ is followed by its arclength in a/sqrt(4 pi) (r0) and p/p0, p0 its first value.
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -27,19 +25,17 @@ from celltrain.continuation.arclength import (
     Unknowns,
     trace_curve,
 )
+from celltrain.continuation.equations import UNIT, evaluate_steady, to_unknowns
 from celltrain.parameters import CaseError, Train
 from celltrain.stability import Stability
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.steady.sensitivity import rates_by_parameters
-from celltrain.steady.solve import comes_close, describe
+from celltrain.steady.solve import comes_close
 from celltrain.steady.system import steady_system
-from celltrain.train import PARAMETERS, streamwise_gap, variation
+from celltrain.train import PARAMETERS, variation
 
 #: Parameters along which there are branches: steady trains do not depend on the viscosity ratio.
 ALONG = tuple(name for name in PARAMETERS if name != "viscosity_ratio")
-
-# A displacement by one r0 in the coefficients.
-UNIT = math.sqrt(4.0 * math.pi)
 
 Analysis = Callable[[Base], Stability]
 
@@ -223,9 +219,9 @@ def _last(
 
 
 def _unknowns(base: Base) -> Unknowns:
+    """(a/sqrt(4 pi), p/p0, c)."""
     system = steady_system(base.train, close=False)
-    shape = np.asarray(system.unknowns(jnp.asarray(base.coefficients)))
-    return np.concatenate([shape / UNIT, [1.0, 0.0]])
+    return np.insert(to_unknowns(system, base.coefficients), -1, 1.0)
 
 
 def _towards(base: Base, sign: float) -> Unknowns:
@@ -244,35 +240,13 @@ def _equations(parameter: str, first: float) -> Callable[[Unknowns, Base], Evalu
         except CaseError as error:
             raise NoSolution(str(error)) from None
         system = steady_system(train, close=comes_close(train, near.coefficients))
+        origin = f"branch along {parameter} from {first:g}"
+        found = evaluate_steady(system, train, np.delete(unknowns, -2), origin)
         amounts = jnp.asarray(UNIT * unknowns[:-2])
-        if streamwise_gap(np.asarray(system.shape(amounts)), train.period) <= 0.0:
-            raise NoSolution("cells overlap")
-        state = system.state(amounts)
         by_parameter = rates_by_parameters(
             system, variation(system.operator, train), (parameter,), amounts
         )[0]
-        rates, normal = np.asarray(state.rates), np.asarray(state.volume_gradient)
-        target = float(system.operator.membrane.volume(system.operator.membrane.reference_shape))
-        missing = float(state.volume) - target
-        size = len(rates)
-        jacobian = np.zeros((size + 1, size + 2))
-        jacobian[:size, :size] = UNIT * np.asarray(state.jacobian)
-        jacobian[:size, size] = first * by_parameter
-        jacobian[:size, size + 1] = -normal
-        jacobian[size, :size] = UNIT * normal
-        base = describe(
-            system,
-            train,
-            np.asarray(amounts),
-            state,
-            (),
-            f"branch along {parameter} from {first:g}",
-        )
-        return Evaluation(
-            residual=np.append(rates - unknowns[-1] * normal, missing),
-            jacobian=jacobian,
-            error=max(float(state.residual), abs(missing)),
-            state=base,
-        )
+        column = np.append(first * by_parameter, 0.0)
+        return replace(found, jacobian=np.insert(found.jacobian, -1, column, axis=1))
 
     return evaluate
