@@ -36,8 +36,10 @@ _SIGNATURE = types.int64(types.int64)
 _EXTENSION, _ARGUMENTS, _RESULTS, _FRAME_WORDS = 1, 9, 14, 22
 # Words of a buffer: address of its data, number of its axes, address of their sizes.
 _DATA, _RANK, _SIZES, _BUFFER_WORDS = 3, 4, 5, 6
-# Words of the answer to the question for the version.
-_ANSWER, _VERSION, _TRAITS = 3, 3, 4
+# Words of what extends a frame: its kind (half a word), of which one is the question for the
+# version, and the address of the answer; words of the answer.
+_KIND, _QUESTION, _ANSWER = 1, 1, 3
+_VERSION, _TRAITS, _ANSWER_WORDS = 3, 4, 5
 _MAJOR, _MINOR = 0, 3
 
 
@@ -59,13 +61,15 @@ def _words(address: int, count: int) -> Any:
 @njit(inline="always")
 def is_question(frame: int) -> Any:
     """Whether XLA asks for the version of the interface instead of a result."""
-    return _words(frame, _FRAME_WORDS)[_EXTENSION] != 0
+    extension = _words(frame, _FRAME_WORDS)[_EXTENSION]
+    return extension != 0 and _words(extension, _KIND + 1)[_KIND] & 0xFFFFFFFF == _QUESTION
 
 
 @njit(inline="always")
 def describe(frame: int) -> int:
     """Answer that question."""
-    answer = _words(_words(_words(frame, _FRAME_WORDS)[_EXTENSION], _ANSWER + 1)[_ANSWER], 5)
+    extension = _words(_words(frame, _FRAME_WORDS)[_EXTENSION], _ANSWER + 1)
+    answer = _words(extension[_ANSWER], _ANSWER_WORDS)
     answer[_VERSION] = _MAJOR | (_MINOR << 32)
     answer[_TRAITS] = 0
     return 0

@@ -1,6 +1,6 @@
 """Compiled loops over the pairs of a target and a source point: the near kernels.
 
-The same sums as the formulas in `flow.near` and `flow.own_surface`, but five to seven times as fast
+The same sums as the formulas in `flow.near` and `flow.force_sums`, but five to seven times as fast
 as XLA's code for these: one pass over the pairs, and no arrays over them. They have no derivatives
 of their own.
 """

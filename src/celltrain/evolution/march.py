@@ -183,7 +183,7 @@ class March:
     def _overlap(self, state: State) -> str | None:
         # Steps that could be shorter are all checked; those of one size are many, and are not.
         retries = self._run.integrator.retries
-        if not retries and abs(state.time - self._checked) < OVERLAP_INTERVAL:
+        if not retries and state.time - self._checked < OVERLAP_INTERVAL:
             return None
         self._checked = state.time
         return overlap(self._run.train, state.shapes)

@@ -52,6 +52,7 @@ class PolarRule(eqx.Module):
 class _Nodes(eqx.Module):
     """What the integrands are made of, at the nodes of each pair."""
 
+    places: Float[Array, "3 pair radial azimuthal"]
     d: Vector
     force: Vector | None
     density: Vector | None
@@ -82,12 +83,11 @@ def polar_velocity(
     nodes = _at_nodes(rule, poles, points, (shapes, forces, densities))
     velocity = jnp.zeros_like(points)
     if nodes.force is not None:
-        places = jnp.stack([points[:, i, None, None] - d for i, d in enumerate(nodes.d)])
         velocity = force_sums(
             rule.parameter,
             points,
-            jnp.concatenate([places, jnp.stack(nodes.force)]),
-            jnp.broadcast_to(rule.weights[:, None], places.shape[2:]),
+            jnp.concatenate([nodes.places, jnp.stack(nodes.force)]),
+            jnp.broadcast_to(rule.weights[:, None], nodes.places.shape[2:]),
         )
     if nodes.density is not None:
         d, normal = nodes.d, nodes.normal
@@ -152,6 +152,7 @@ def _at_nodes(
         values = list(rule.tables.values(turned))
         y, rest = jnp.stack(values[:3]), values[3:]
     return _Nodes(
+        places=y,
         d=[points[:, i, None, None] - y[i] for i in range(3)],
         force=None if forces is None else rest[:3],
         density=None if densities is None else rest[-3:],

@@ -18,7 +18,7 @@ finite and of short range. It is zero for all larger v, and the finished shape h
 """
 
 from functools import cache
-from math import copysign, pi, sqrt, trunc
+from math import copysign, isqrt, pi, sqrt, trunc
 
 import equinox as eqx
 import jax
@@ -33,7 +33,7 @@ from celltrain.membrane.energy import Membrane
 from celltrain.membrane.geometry import surface_geometry
 from celltrain.membrane.laws import make_law
 from celltrain.membrane.reference import reference_coefficients
-from celltrain.parameters import Cell
+from celltrain.parameters import CaseError, Cell
 
 #: Thickness, in r0, below which the faces of a cell repel each other while it forms.
 REPULSION_RANGE = 0.2
@@ -126,7 +126,7 @@ def relaxation(degree: int) -> Relaxation:
 def relaxed_shape(degree: int, reduced_volume: float) -> Float[np.ndarray, "3 coefficient"]:
     """Coefficients of the resting cell of a reduced volume v, its axis the tube's, its centre at 0.
 
-    **Raises:** `RuntimeError` if no minimum was found.
+    **Raises:** `CaseError` if no minimum was found.
     """
     problem = relaxation(degree)
     area, _, healthy = _healthy(problem)
@@ -205,9 +205,10 @@ def _minimum(
     left = float(np.abs(imbalance(problem, found.x)).max())
     # The method may also end because rounding allows no further step: what counts is where.
     if not (left < LARGEST_IMBALANCE and np.abs(missed(found.x)).max() < 1e-9):
-        raise RuntimeError(
-            f"no resting shape of reduced volume {reduced_volume:g} was found: {found.message}"
-            f" (forces of {left:.1e} mu U r0 are not balanced)"
+        degree = isqrt(problem.basis.shape[-1])
+        raise CaseError(
+            f"reduced_volume = {reduced_volume:g} is not allowed at degree {degree}: no resting"
+            f" shape was found (forces of {left:.1e} mu U r0 are not balanced); take another degree"
         )
     return np.asarray(found.x)
 

@@ -17,8 +17,8 @@ LARGEST_MISFIT = 0.02
 def resting_shape(cell: Cell, degree: int) -> Float[np.ndarray, "3 coefficient"]:
     """Coefficients, below `degree`, of a cell at rest, its axis the tube's.
 
-    **Raises:** `CaseError` for a profile that the degree cannot follow; `RuntimeError` if no shape
-    of the cell's reduced volume was found.
+    **Raises:** `CaseError` for a profile that the degree cannot follow, or if no shape of the
+    cell's reduced volume was found.
     """
     if cell.reduced_volume is not None:
         return relaxed_shape(degree, cell.reduced_volume)

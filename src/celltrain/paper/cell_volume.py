@@ -14,11 +14,10 @@ from celltrain.membrane.equilibrium import (
     relaxation,
     relaxed_shape,
 )
-from celltrain.paper.curves import draw_curves, side_by_side
-from celltrain.paper.finding import Finding, at, finding, in_paper_units, number
+from celltrain.paper.curves import side_by_side, sparse_and_dense
+from celltrain.paper.finding import DENSE, SPARSE, Finding, at, finding, in_paper_units, number
 from celltrain.train import meridian
 
-SPARSE, DENSE = 0.2, 0.7
 #: Reduced volumes of the drawn family; the healthy cell's is 0.6444.
 FAMILY = (0.4, 0.5, 0.6, 0.6444, 0.7, 0.8, 0.9, 1.0)
 HEALTHY = 0.6444
@@ -121,16 +120,9 @@ def draw_over_volume(data: xr.Dataset, path: Path) -> Path:
     Raises:
         OSError: if the picture cannot be written.
     """
-    figure, panels = side_by_side(2)
-    for axes, packing in zip(panels, (SPARSE, DENSE), strict=True):
-        alpha, error = (
-            in_paper_units(at(data[name], packing=packing))
-            for name in ("spectral_abscissa", "error_estimate")
-        )
-        draw_curves(axes, alpha, "reduced_volume", error)
-        axes.axvline(HEALTHY, color="0.5", linestyle="--", linewidth=0.8)
-        axes.set(xlabel="$v$", ylabel=r"$\alpha\, r_0/U^*$", xlim=(0.38, 1.0))
-        axes.set_title(f"{axes.get_title()}  $\\phi$ = {packing:g}", fontsize=10)
+    figure, panels = sparse_and_dense(data, "reduced_volume", HEALTHY)
+    for axes in panels:
+        axes.set(xlabel="$v$", xlim=(0.38, 1.0))
     last = _last(at(data["spectral_abscissa"], packing=DENSE))
     if np.isfinite(last):
         panels[1].axvspan(last, 1.0, color="0.9")

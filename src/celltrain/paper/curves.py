@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from celltrain.paper.finding import DENSE, SPARSE, at, in_paper_units
 from celltrain.pictures.study import LABELS
 
 #: Width and height of one pair of axes, inches.
@@ -55,3 +56,21 @@ def draw_curves(
         )
     if others and legend:
         axes.legend(fontsize=8, frameon=False)
+
+
+def sparse_and_dense(data: xr.Dataset, along: str, usual: float) -> tuple[Figure, list[Axes]]:
+    """alpha over the axis `along` for sparse and for dense trains, in the paper's unit.
+
+    **Arguments:** `usual`: the place on that axis of the paper's other figures, which is marked.
+    """
+    figure, panels = side_by_side(2)
+    for axes, packing in zip(panels, (SPARSE, DENSE), strict=True):
+        alpha, error = (
+            in_paper_units(at(data[name], packing=packing))
+            for name in ("spectral_abscissa", "error_estimate")
+        )
+        draw_curves(axes, alpha, along, error)
+        axes.axvline(usual, color="0.5", linestyle="--", linewidth=0.8)
+        axes.set_ylabel(r"$\alpha\, r_0/U^*$")
+        axes.set_title(f"{axes.get_title()}  $\\phi$ = {packing:g}", fontsize=10)
+    return figure, panels

@@ -11,6 +11,9 @@ import xarray as xr
 
 from celltrain.parameters import Train, merge_case, paper_units
 
+#: The paper's packings of sparse and of dense trains.
+SPARSE, DENSE = 0.2, 0.7
+
 
 @dataclass(frozen=True)
 class Finding:

@@ -5,11 +5,19 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from celltrain.paper.curves import draw_curves, side_by_side
-from celltrain.paper.finding import Finding, at, finding, first_case, in_paper_units, number
+from celltrain.paper.curves import sparse_and_dense
+from celltrain.paper.finding import (
+    DENSE,
+    SPARSE,
+    Finding,
+    at,
+    finding,
+    first_case,
+    in_paper_units,
+    number,
+)
 from celltrain.parameters import paper_units
 
-SPARSE, DENSE = 0.2, 0.7
 #: The paper's usual capillary number.
 USUAL = 0.66
 #: What "by a factor of about two" may mean, and "by 0.11 r0".
@@ -37,16 +45,9 @@ def draw_over_flow(data: xr.Dataset, path: Path) -> Path:
         OSError: if the picture cannot be written.
     """
     data = in_paper_axes(data)
-    figure, panels = side_by_side(2)
-    for axes, packing in zip(panels, (SPARSE, DENSE), strict=True):
-        alpha, error = (
-            in_paper_units(at(data[name], packing=packing))
-            for name in ("spectral_abscissa", "error_estimate")
-        )
-        draw_curves(axes, alpha, "Ca", error)
-        axes.axvline(USUAL, color="0.5", linestyle="--", linewidth=0.8)
-        axes.set(xscale="log", xlabel="Ca", ylabel=r"$\alpha\, r_0/U^*$", ylim=(0.0, None))
-        axes.set_title(f"{axes.get_title()}  $\\phi$ = {packing:g}", fontsize=10)
+    figure, panels = sparse_and_dense(data, "Ca", USUAL)
+    for axes in panels:
+        axes.set(xscale="log", xlabel="Ca", ylim=(0.0, None))
     figure.savefig(path)
     return path
 

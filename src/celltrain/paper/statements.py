@@ -9,13 +9,12 @@ import math
 import numpy as np
 import xarray as xr
 
-from celltrain.paper.finding import Finding, finding, first_case, in_paper_units
+from celltrain.paper.finding import DENSE, SPARSE, Finding, at, finding, first_case, in_paper_units
 
 #: What "about 0.1" may mean: the printed colours and contours tell no more.
 ABOUT_A_TENTH = (0.03, 0.2)
 #: What "about four" may mean.
 ABOUT_FOUR = (3.0, 5.0)
-SPARSE, DENSE = 0.2, 0.7
 #: Where the paper finds trains that are marginally stable: packings, and the largest diameter.
 WINDOW = (0.4, 0.55)
 WINDOW_DIAMETER = 10.0
@@ -31,7 +30,7 @@ def growth_findings(data: xr.Dataset) -> list[Finding]:
     alpha = in_paper_units(data["spectral_abscissa"])
     error = in_paper_units(data["error_estimate"])
     half = first_case(data).cells // 2
-    sparse, dense = _at(alpha, packing=SPARSE), _at(alpha, packing=DENSE)
+    sparse, dense = at(alpha, packing=SPARSE), at(alpha, packing=DENSE)
     window = alpha.where(
         (alpha.packing >= WINDOW[0] - 1e-9)
         & (alpha.packing <= WINDOW[1] + 1e-9)
@@ -43,7 +42,7 @@ def growth_findings(data: xr.Dataset) -> list[Finding]:
         finding(
             "P6",
             "at packing 0.2 alpha is about 0.1 at every diameter",
-            _list(sparse, _at(error, packing=SPARSE)),
+            _list(sparse, at(error, packing=SPARSE)),
             _inside(sparse, ABOUT_A_TENTH),
             sparse,
         ),
@@ -57,7 +56,7 @@ def growth_findings(data: xr.Dataset) -> list[Finding]:
         finding(
             "P7",
             "at packing 0.7 alpha is about 0.1 at every diameter",
-            _list(dense, _at(error, packing=DENSE)),
+            _list(dense, at(error, packing=DENSE)),
             _inside(dense, ABOUT_A_TENTH),
             dense,
         ),
@@ -135,12 +134,6 @@ def transient_findings(data: xr.Dataset) -> list[Finding]:
     return findings
 
 
-def _at(values: xr.DataArray, packing: float) -> xr.DataArray:
-    """Values at a packing over the diameter; none if the study has no such packing."""
-    chosen = np.flatnonzero(np.isclose(values.packing, packing))
-    return values.isel(packing=int(chosen[0])) if chosen.size else values.isel(packing=0)[:0]
-
-
 def _inside(values: xr.DataArray, limits: tuple[float, float]) -> bool:
     return bool(((values > limits[0]) & (values < limits[1])).all())
 
@@ -178,8 +171,8 @@ def _pattern(
     diameter: float | None = None,
 ) -> Finding:
     """Whether a disturbance has an azimuthal number m within limits, and its wave number j."""
-    number = _at(data[f"{kind}_azimuthal_number"], packing=packing)
-    wave = _at(data[f"{kind}_wave_number"], packing=packing)
+    number = at(data[f"{kind}_azimuthal_number"], packing=packing)
+    wave = at(data[f"{kind}_wave_number"], packing=packing)
     where = "at every diameter"
     if diameter is not None:
         chosen = np.isclose(number.diameter, diameter)
