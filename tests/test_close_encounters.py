@@ -107,10 +107,18 @@ def test_two_spheres_approaching(gap: float) -> None:
 
 
 def test_estimate_bounds_the_effect_of_each_rule() -> None:
-    train = TRAIN.changed(viscosity_ratio=1.0)
+    # So fine that what the target grid leaves is most of the error.
+    train = TRAIN.changed(
+        viscosity_ratio=1.0,
+        source_order=28,
+        polar_radial=26,
+        polar_azimuthal=40,
+        energy_order=30,
+        tolerance=1e-7,
+    )
     shapes = configuration(1)
     estimate = rates_error(train, shapes, gap=GAP)
-    assert estimate < 1e-2
+    assert estimate < 1e-3
 
     values = np.asarray(sphere_grid(train.resolution.degree, 20).values)
 
