@@ -5,6 +5,9 @@
 * The persistent compilation cache, so that the second run of a command does not compile again. Its
   folder is `$JAX_COMPILATION_CACHE_DIR` if that is set, `$XDG_CACHE_HOME/celltrain` or
   `~/.cache/celltrain` otherwise.
+* XLA's older emitters of loops for processors: the newer ones build a pipeline of passes for each
+  of a program's hundreds of loops, and compile for half as long again, for loops no faster.
+  `$XLA_FLAGS` that name them are left as they are.
 * The level of XLA's own messages.
 * The number of threads of the nonuniform Fourier transforms: one, because at the sizes of a train
   more of them cost more than they bring; `$CELLTRAIN_NUFFT_THREADS` sets another.
@@ -17,12 +20,18 @@ import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
+
+EMITTERS = "xla_cpu_use_fusion_emitters"
 
 # XLA reports every cached program as compiled for "another machine", because it lists its own
 # tuning preferences among the processor's features. Set the variable to 0 to see all messages.
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# XLA ends the process when it meets a flag that it does not know.
+if version("jaxlib").startswith("0.10.") and EMITTERS not in os.environ.get("XLA_FLAGS", ""):
+    os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} --{EMITTERS}=false".strip()
 
 import jax
 from jax_finufft.options import Opts

@@ -26,6 +26,7 @@ from jax_finufft import nufft1, nufft2
 from jaxtyping import Array, Float
 
 from celltrain.flow.ewald import EwaldSplit
+from celltrain.flow.shared_sizes import shared_size
 from celltrain.runtime import NUFFT_OPTIONS
 
 Points = Float[Array, "ring azimuth 3"]
@@ -129,8 +130,9 @@ def _in_pairs(components: Array) -> Array:
     return components[0::2] + 1j * components[1::2]
 
 
-def _mode_numbers(length: float, largest: float) -> np.ndarray:
+def _mode_numbers(length: float, largest: float, *, shared: bool) -> np.ndarray:
     count = math.ceil(largest * length / (2.0 * math.pi))
+    count = shared_size(count) if shared else count
     return np.arange(-count, count + 1)
 
 
@@ -235,14 +237,14 @@ def ring_transform(
 ) -> RingTransform:
     """Transform for rings in a box (sizes in r0); `phase` is q in radians per period."""
     largest = split.largest_wave_number
-    numbers = _mode_numbers(width, largest)
+    numbers = _mode_numbers(width, largest, shared=True)
     x, y = (grid.ravel() for grid in np.meshgrid(numbers, numbers, indexing="ij"))
-    # A disc of a whole number of waves: of tubes nearly as wide, all have the same number of modes
-    # and share compiled programs.
+    # A disc of a whole number of waves, so that equal numbers across give equal sizes.
     inside = x**2 + y**2 <= numbers[-1] ** 2
     across = 2.0 * math.pi * np.stack([x[inside], y[inside]])
     # One number of modes for all phases up to half a turn, so they can be stacked.
-    axial = 2.0 * math.pi * _mode_numbers(period, largest + math.pi / period) + phase
+    numbers = _mode_numbers(period, largest + math.pi / period, shared=True)
+    axial = 2.0 * math.pi * numbers + phase
     return RingTransform(_box(width, period), jnp.asarray(across), jnp.asarray(axial))
 
 
@@ -250,8 +252,10 @@ def nonuniform_transform(
     split: EwaldSplit, width: float, period: float, tolerance: float
 ) -> NonuniformTransform:
     """Transform for any points in a box (sizes in r0)."""
-    across = _mode_numbers(width, split.largest_wave_number).size
-    axial = _mode_numbers(period, split.largest_wave_number).size
+    largest = split.largest_wave_number
+    # Its cost grows with the number of modes, and a simulation has programs of its own anyway.
+    across = _mode_numbers(width, largest, shared=False).size
+    axial = _mode_numbers(period, largest, shared=False).size
     return NonuniformTransform(_box(width, period), (across, across, axial), tolerance)
 
 

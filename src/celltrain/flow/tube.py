@@ -25,6 +25,7 @@ from jaxtyping import Array, Complex, Float, Int
 from celltrain.flow.ewald import EwaldSplit, ewald_split, far_velocity_modes
 from celltrain.flow.near import near_sum
 from celltrain.flow.neighbours import CloseEvaluation, Neighbours
+from celltrain.flow.shared_sizes import shared_size
 from celltrain.flow.sources import Sources
 from celltrain.flow.transform import (
     RingTransform,
@@ -224,6 +225,7 @@ def periodic_tube(
     # Wider than the tube by the near kernel's range, which so never reaches an image across.
     width = diameter + cutoff
     phase = 0.0 if wave_number is None else wave_number
+    images = math.floor((cutoff + extent + period) / period)
     transform: Transform
     if rings:
         transform = ring_transform(split, width, period, phase)
@@ -234,9 +236,11 @@ def periodic_tube(
     return PeriodicTube(
         split=split,
         transform=transform,
-        wall=tube_wall(0.5 * diameter, period, gap=gap, tolerance=tolerance, phase=phase),
+        wall=tube_wall(
+            0.5 * diameter, period, gap=gap, tolerance=tolerance, phase=phase, shared=rings
+        ),
         close=None if close is None else close(split.parameter),
         coarse_beyond=coarse_beyond,
-        images=math.floor((cutoff + extent + period) / period),
+        images=shared_size(images) if rings else images,
         quasi_periodic=wave_number is not None,
     )

@@ -27,6 +27,7 @@ from jax_finufft import nufft2
 from jaxtyping import Array, Complex, Float, Int
 from scipy.special import hyp0f1, ive
 
+from celltrain.flow.shared_sizes import shared_size
 from celltrain.runtime import NUFFT_OPTIONS
 
 Cylindrical = tuple[Array, Array, Array]
@@ -284,7 +285,13 @@ def _to_cartesian(points: Array, cylindrical: Array) -> Array:
 
 
 def tube_wall(
-    radius: float, period: float, *, gap: float, tolerance: float, phase: float = 0.0
+    radius: float,
+    period: float,
+    *,
+    gap: float,
+    tolerance: float,
+    phase: float = 0.0,
+    shared: bool = False,
 ) -> TubeWall:
     """Wall of a tube, fine enough for surfaces at a distance of `gap` or more.
 
@@ -292,14 +299,18 @@ def tube_wall(
     exp(-k gap), and so does their effect back at that distance; both are resolved to `tolerance`.
 
     **Arguments:** `phase` (radians per period) is added to every axial wave number (quasi-periodic
-    flow).
+    flow); `shared`: take numbers of modes that many tubes have in common.
     """
+
+    def size(count: int) -> int:
+        return shared_size(count) if shared else count
+
     largest = -math.log(tolerance) / (1.4 * gap)
-    n_theta = 2 * math.ceil(largest * radius) + 1
-    n_z = 2 * math.ceil(largest * period / (2.0 * math.pi)) + 1
+    n_theta = 2 * size(math.ceil(largest * radius)) + 1
+    n_z = 2 * size(math.ceil(largest * period / (2.0 * math.pi))) + 1
     # Chebyshev degree for exp(k R x) to the tolerance, k the largest wave number.
     steep = largest * radius
-    nodes_count = math.ceil(0.5 * math.sqrt(2.0 * steep * -math.log(tolerance))) + 8
+    nodes_count = size(math.ceil(0.5 * math.sqrt(2.0 * steep * -math.log(tolerance))) + 8)
     full = 2 * nodes_count
     orders = np.arange(n_theta) - n_theta // 2
     axial = 2.0 * np.pi * (np.arange(n_z) - n_z // 2) + phase

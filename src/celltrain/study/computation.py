@@ -1,5 +1,6 @@
 """What is done with each case of a study: its steady train, and the stability of that."""
 
+import itertools
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -10,6 +11,9 @@ from celltrain.parameters import CaseError, Train
 from celltrain.stability import Stability, stability
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.study.definition import Computed
+
+# Cases after which a process forgets its compiled programs.
+CASES_REMEMBERED = 4
 
 
 @dataclass(frozen=True)
@@ -57,8 +61,7 @@ class StabilityOfCase:
             base = self._steady(train, start)
             result = stability(base, estimate_error=self.computed.estimate_error)
         finally:
-            # Sums of other sizes need other programs; all of them would fill the memory.
-            jax.clear_caches()
+            _forget_programs()
         return Outcome(base, values_of(result))
 
     def _steady(self, train: Train, start: Base | None) -> Base:
@@ -69,6 +72,18 @@ class StabilityOfCase:
             if start is None:
                 raise
             return steady(train, start=second)
+
+
+_cases_done = itertools.count(1)
+
+
+def _forget_programs() -> None:
+    """Drop this process's compiled programs now and then: all of them would fill the memory.
+
+    Neighbours in a study mostly share theirs, and each takes about 30 MiB.
+    """
+    if next(_cases_done) % CASES_REMEMBERED == 0:
+        jax.clear_caches()
 
 
 def values_of(result: Stability) -> dict[str, float]:
