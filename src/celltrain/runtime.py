@@ -29,9 +29,12 @@ EMITTERS = "xla_cpu_use_fusion_emitters"
 # tuning preferences among the processor's features. Set the variable to 0 to see all messages.
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# XLA ends the process when it meets a flag that it does not know.
-if version("jaxlib").startswith("0.10.") and EMITTERS not in os.environ.get("XLA_FLAGS", ""):
-    os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} --{EMITTERS}=false".strip()
+_flags = os.environ.get("XLA_FLAGS", "")
+# XLA ends the process when it meets a flag that it does not know: only for versions tried.
+_known = version("jaxlib").startswith("0.10.")
+os.environ["XLA_FLAGS"] = (
+    f"{_flags} --{EMITTERS}=false".strip() if _known and EMITTERS not in _flags else _flags
+)
 
 import jax
 from jax_finufft.options import Opts
