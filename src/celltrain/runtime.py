@@ -5,9 +5,7 @@
 * The persistent compilation cache, so that the second run of a command does not compile again. Its
   folder is `$JAX_COMPILATION_CACHE_DIR` if that is set, `$XDG_CACHE_HOME/celltrain` or
   `~/.cache/celltrain` otherwise.
-* XLA's older emitters of loops for processors: the newer ones build a pipeline of passes for each
-  of a program's hundreds of loops, and compile for half as long again, for loops no faster.
-  `$XLA_FLAGS` that name them are left as they are.
+* How XLA compiles (see `xla_flags`).
 * The level of XLA's own messages.
 * The number of threads of the nonuniform Fourier transforms: one, because at the sizes of a train
   more of them cost more than they bring; `$CELLTRAIN_NUFFT_THREADS` sets another.
@@ -20,21 +18,15 @@ import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.metadata import version
 from pathlib import Path
 
-EMITTERS = "xla_cpu_use_fusion_emitters"
+from celltrain.xla_flags import xla_flags
 
 # XLA reports every cached program as compiled for "another machine", because it lists its own
 # tuning preferences among the processor's features. Set the variable to 0 to see all messages.
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-_flags = os.environ.get("XLA_FLAGS", "")
-# XLA ends the process when it meets a flag that it does not know: only for versions tried.
-_known = version("jaxlib").startswith("0.10.")
-os.environ["XLA_FLAGS"] = (
-    f"{_flags} --{EMITTERS}=false".strip() if _known and EMITTERS not in _flags else _flags
-)
+os.environ["XLA_FLAGS"] = xla_flags()
 
 import jax
 from jax_finufft.options import Opts
