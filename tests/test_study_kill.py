@@ -1,26 +1,34 @@
 """A study whose client and whose workers are killed: nothing that is finished is lost."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from celltrain.results import load, save
+from celltrain.steady import Base
 from celltrain.study import Record
 
 pytest.importorskip("distributed")
 
-# Cases that take a while and leave a line when they start; one may end its own process.
+# Cases that take a while and leave a line when they start. One may end its own process, or, the
+# other sign given, take memory without end.
 SLOW = """
 import os
 import signal
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from celltrain.steady import Base
 from celltrain.study import Outcome
@@ -41,6 +49,10 @@ class Slow:
             log.write(f"{train.tube.diameter:g} {os.getpid()}\\n")
         if train.tube.diameter == self.fatal:
             os.kill(os.getpid(), signal.SIGKILL)
+        taken = []
+        while train.tube.diameter == -self.fatal:
+            taken.append(np.ones(2**24))
+            time.sleep(0.1)
         time.sleep(0.7)
         return Outcome(replace(self.base, train=train), {"gap": train.tube.diameter})
 """
@@ -50,14 +62,14 @@ from pathlib import Path
 
 if __name__ == "__main__":
     from celltrain.results import load
-    from celltrain.study import local_workers, make_study, run_study
+    from celltrain.study import local_workers, make_study, run_study, scheduled_workers
     from slow import Slow
 
     folder = Path(sys.argv[1])
     diameters = [6, 7, 8, 9, 10, 11, 12, 13]
     study = make_study({"case": {"packing": 0.2}, "axes": {"diameter": diameters}})
     slow = Slow(load(folder / "base.nc"), folder, float(sys.argv[2]))
-    with local_workers(2) as workers:
+    with scheduled_workers(sys.argv[3]) if sys.argv[3:] else local_workers(2) as workers:
         run_study(study, folder / "cases", slow, workers.executor, workers.slots)
 """
 
@@ -96,21 +108,33 @@ def gone(process: int) -> bool:
     return "\nState:\tZ" in Path(f"/proc/{process}/status").read_text()
 
 
+def prepare(folder: Path, base: Base) -> None:
+    (folder / "slow.py").write_text(SLOW)
+    (folder / "client.py").write_text(CLIENT)
+    (folder / "cases").mkdir()
+    save(base, folder / "base.nc")
+
+
+def python(folder: Path, *words: str, **settings: Any) -> "subprocess.Popen[bytes]":
+    # Where the package is found here, it is in other processes.
+    paths = os.pathsep.join([str(folder), *filter(None, sys.path)])
+    environment = {
+        **os.environ,
+        "PYTHONPATH": paths,
+        "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
+    }
+    return subprocess.Popen([sys.executable, *words], env=environment, **settings)
+
+
+def client(folder: Path, fatal: float, *address: str, **settings: Any) -> "subprocess.Popen[bytes]":
+    return python(folder, str(folder / "client.py"), str(folder), str(fatal), *address, **settings)
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc").exists(), reason="asks the system for its processes")
 def test_killed_clients_and_workers_lose_only_what_runs(tmp_path: Path, make_base) -> None:
-    (tmp_path / "slow.py").write_text(SLOW)
-    (tmp_path / "client.py").write_text(CLIENT)
-    (tmp_path / "cases").mkdir()
-    save(make_base(), tmp_path / "base.nc")
-
-    def client(fatal: float) -> "subprocess.Popen[bytes]":
-        return subprocess.Popen(
-            [sys.executable, str(tmp_path / "client.py"), str(tmp_path), str(fatal)],
-            env={**os.environ, "PYTHONPATH": str(tmp_path)},
-        )
-
-    first = client(fatal=0)
+    prepare(tmp_path, make_base())
+    first = client(tmp_path, fatal=0)
     try:
         wait_for(lambda: len(records(tmp_path)) >= 2, first)
     finally:
@@ -129,7 +153,7 @@ def test_killed_clients_and_workers_lose_only_what_runs(tmp_path: Path, make_bas
     left = sorted({6.0, 7, 8, 9, 10, 11, 12, 13} - set(kept))
     fatal = left[-1]
     before = started(tmp_path)
-    second = client(fatal)
+    second = client(tmp_path, fatal)
     try:
         wait_for(
             lambda: any(float(d) != fatal for d, _ in started(tmp_path)[len(before) :]), second
@@ -154,3 +178,69 @@ def test_killed_clients_and_workers_lose_only_what_runs(tmp_path: Path, make_bas
     assert again.count(float(diameter)) == 2
     assert again.count(fatal) == 2
     assert all(again.count(d) == 1 for d in left if d not in (fatal, float(diameter)))
+
+
+@contextmanager
+def cluster(folder: Path) -> Iterator[tuple[str, "subprocess.Popen[bytes]"]]:
+    """Address and process of a scheduler with two workers of 1 GiB, all processes of their own."""
+    place = folder / "scheduler.json"
+    place.unlink(missing_ok=True)
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+    file = ["--scheduler-file", str(place)]
+    scheduler = ["scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+    worker = ["worker", "--nworkers", "2", "--nthreads", "1", "--memory-limit", "1GiB"]
+    dask = ["-c", "from dask.cli import run_cli; run_cli()"]
+    processes = [
+        python(folder, *dask, *words, *file, **quiet)
+        for words in (scheduler, [*worker, "--no-dashboard"])
+    ]
+    try:
+        wait_for(lambda: place.exists() and "address" in place.read_text(), processes[0])
+        yield json.loads(place.read_text())["address"], processes[0]
+    finally:
+        for process in reversed(processes):
+            process.terminate()
+        for process in processes:
+            process.wait(timeout=60)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc").exists(), reason="asks the system for its processes")
+def test_a_killed_scheduler_and_memory_running_out_lose_only_what_runs(
+    tmp_path: Path, make_base
+) -> None:
+    prepare(tmp_path, make_base())
+    with cluster(tmp_path) as (address, scheduler):
+        first = client(tmp_path, 0, address, stderr=subprocess.PIPE)
+        try:
+            wait_for(lambda: len(records(tmp_path)) >= 2, first)
+            scheduler.kill()
+            _, complaint = first.communicate(timeout=120)
+        finally:
+            first.kill()
+            first.wait()
+    assert first.returncode != 0
+    assert b"WorkersLost: the scheduler of the workers was lost" in complaint
+    kept = records(tmp_path)
+    assert 2 <= len(kept) < 8
+    assert {record.status for record in kept.values()} == {"finished"}
+
+    # Resumed with other workers, where one case takes more memory than there is.
+    left = sorted({6.0, 7, 8, 9, 10, 11, 12, 13} - set(kept))
+    before = started(tmp_path)
+    with cluster(tmp_path) as (address, _):
+        second = client(tmp_path, -left[0], address)
+        try:
+            assert second.wait(timeout=300) == 0
+        finally:
+            second.kill()
+            second.wait()
+    ended = records(tmp_path)
+    assert len(ended) == 8
+    assert ended[left[0]].status == "failed"
+    assert "its worker died" in ended[left[0]].reason
+    assert {record.status for d, record in ended.items() if d != left[0]} == {"finished"}
+    again = [float(each) for each, _ in started(tmp_path)[len(before) :]]
+    assert not set(again) & set(kept)
+    assert again.count(left[0]) == 2
+    assert all(again.count(d) == 1 for d in left[1:])

@@ -8,7 +8,9 @@ whoever asked for it.
 from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from celltrain.parameters import Train
@@ -43,11 +45,25 @@ def compute_case(
 ) -> Record:
     """Compute a case and keep what comes of it, in a worker; `start` is a finished case."""
     store = Store(folder, computation.settings)
-    try:
-        base = None if start is None else _readable_base(store, start)
-        return store.finish(train, computation(train, base))
-    except Exception as error:
-        return store.fail(train, f"{type(error).__name__}: {error}")
+    with _own_locks():
+        try:
+            base = None if start is None else _readable_base(store, start)
+            return store.finish(train, computation(train, base))
+        except Exception as error:
+            return store.fail(train, f"{type(error).__name__}: {error}")
+
+
+def _own_locks() -> AbstractContextManager[object]:
+    """Files are locked in this process alone.
+
+    In a dask worker, xarray would ask the scheduler for each lock, which may have gone by then; no
+    two processes write the same file.
+    """
+    if find_spec("dask") is None:
+        return nullcontext()
+    import dask
+
+    return dask.config.set(scheduler="threads")
 
 
 def _readable_base(store: Store, train: Train) -> Base | None:
