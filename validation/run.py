@@ -21,6 +21,7 @@ import celltrain  # noqa: F401
 import accuracy
 import breakup
 import convergence
+import figures
 import haematocrit
 import mechanisms
 import packing
@@ -50,6 +51,7 @@ def main() -> None:
         "viscosity": lambda _: viscosity.study(),
         "accuracy": lambda _: accuracy.study(),
         "haematocrit": lambda _: haematocrit.study(),
+        "figures": lambda options: figures.study(options.results),
         "mechanisms": lambda _: mechanisms.study(),
         "breakup": lambda options: breakup.study(
             options.runs, options.simulate, dict(options.take)
@@ -57,6 +59,7 @@ def main() -> None:
     }
     parser.add_argument("studies", nargs="*", metavar="STUDY", help=", ".join(studies))
     breakup.add_arguments(parser)
+    figures.add_arguments(parser)
     options = parser.parse_args()
     unknown = [name for name in options.studies if name not in studies]
     if unknown:

@@ -1,0 +1,99 @@
+"""The paper's figures over parameters: data kept with the package, pictures, and statements.
+
+The studies take from half an hour to hours, so they are not computed here but by
+`celltrain paper FIGURE -o FOLDER/STUDY`, which may be interrupted; `--results FOLDER` takes what is
+there. What is kept in docs/validation/data is drawn and checked anew each time.
+"""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from page import FOLDER, Page
+
+from celltrain.paper import FIGURES, findings_table
+
+DATA = FOLDER / "data"
+#: What the figures show, and what is to be said where we and the paper differ.
+TITLES = {
+    "fig6": "Fig. 6: growth rate over diameter and packing",
+    "fig8": "Fig. 8: initial growth rate over diameter and packing",
+    "fig13": "Fig. 13: viscosity ratio and packing",
+    "fig14": "Fig. 14: viscosity ratio",
+    "fig16": "Fig. 16: capillary number",
+    "fig17": "Fig. 17: shapes at rest",
+    "fig19": "Fig. 19: reduced volume",
+}
+REMARKS: dict[str, str] = {}
+
+
+def add_arguments(parser) -> None:  # type: ignore[no-untyped-def]
+    """The options of this study."""
+    parser.add_argument(
+        "--results",
+        type=Path,
+        help="folder whose folders map, viscosity-packing, viscosity-ratio, flow-strength,"
+        " cell-volume hold what `celltrain paper` has computed, for the study figures",
+    )
+
+
+def study(results: Path | None) -> None:
+    """Draw and check all figures whose data there are."""
+    page = Page("figures", "The paper's maps and curves")
+    page.text(
+        """
+Growth rates in the paper's unit U*/r0 with U* = U/10 (`paper_units`), with the estimate of the
+error that two degrees more give, all at the paper's resolution M = 12 unless the text says
+otherwise. Made by `celltrain paper FIGURE`, which computes and resumes the studies; the data are in
+`data/`, one netCDF file for each study, and hold the base flows' numbers, the leading modes and how
+each steady train was reached as well.
+"""
+    )
+    for figure, title in TITLES.items():
+        chosen = FIGURES[figure]
+        kept = DATA / f"{chosen.study}.nc"
+        if results is not None:
+            name = "shapes.nc" if chosen.compute is not None else "study.nc"
+            found = results / chosen.study / name
+            if found.exists():
+                DATA.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(found, kept)
+        if not kept.exists():
+            continue
+        with xr.open_dataset(kept) as data:
+            data.load()
+        chosen.draw(data, FOLDER / f"figures-{figure}.png")
+        page.heading(title)
+        page.text(_made(data))
+        page.parts.append(findings_table(chosen.findings(data)).rstrip())
+        page.parts.append(f"![{title}](figures-{figure}.png)\n\n*{title}*")
+        if figure in REMARKS:
+            page.text(REMARKS[figure])
+        page.log(title)
+    page.write()
+
+
+def _made(data: xr.Dataset) -> str:
+    """How many cases there are, which are missing, and how long they took."""
+    if "status" not in data:
+        return f"Shapes of degree {data.attrs['degree']}."
+    finished = data["status"].values == "finished"
+    axes = " by ".join(f"{data.sizes[name]} values of {name}" for name in data.sizes)
+    minutes = np.nansum(data["case_seconds"].values) / 60.0
+    words = [
+        f"{data['status'].size} cases ({axes}), {int(finished.sum())} finished, which took"
+        f" {minutes:.0f} minutes in all, one thread each."
+    ]
+    if (~finished).any():
+        reasons = sorted({str(each).split(":")[0] for each in data["reason"].values[~finished]})
+        words.append(f"The others have no steady train ({', '.join(filter(None, reasons))}).")
+    residual = float(data["residual"].max())
+    grown = float(data["axisymmetric_growth_rate"].max())
+    words.append(
+        f"Largest residual of a steady train {residual:.0e} U; largest growth rate of an"
+        f" axisymmetric disturbance alike in all cells {grown:.0e} U/r0, so"
+        + (" all are" if grown < 1e-6 else " not all are")
+        + " trains that a march reaches."
+    )
+    return " ".join(words)
