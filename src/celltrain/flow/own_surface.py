@@ -16,7 +16,7 @@ from jaxtyping import Array, Float
 
 from celltrain.flow.ewald import near_stress_scalars
 from celltrain.flow.force_sums import force_sums
-from celltrain.flow.sources import SYMMETRIC, UNFOLD
+from celltrain.flow.sources import SYMMETRIC
 from celltrain.harmonics import (
     PolarTables,
     polar_nodes,
@@ -26,15 +26,24 @@ from celltrain.harmonics import (
     unshift_longitude,
 )
 
-Kernel = Float[Array, "cell ring azimuth 3 3 coefficient"]
+# Degrees that see the difference of the near kernel and that in free space: it is smooth.
+SMOOTH_DEGREE = 6
+
+# Of the six `SYMMETRIC` components.
+Kernel = Float[Array, "cell ring azimuth 6 coefficient"]
+SmoothKernel = Float[Array, "cell ring azimuth 6 low_coefficient"]
 
 
 class OwnSurfaceRule(eqx.Module):
-    """Polar quadrature about the rings of a target grid."""
+    """Polar quadrature about the rings of a target grid.
+
+    `low_tables` are those of the lowest degrees alone, at the same nodes.
+    """
 
     parameter: float = eqx.field(static=True)
     rotations: Float[Array, "ring coefficient coefficient"]
     tables: PolarTables
+    low_tables: PolarTables
     weights: Float[Array, "radial azimuthal"]
 
     def velocity(
@@ -66,12 +75,15 @@ class OwnSurfaceRule(eqx.Module):
         targets: Float[Array, "cell ring azimuth 3"],
         longitudes: Float[Array, " azimuth"],
         shapes: Float[Array, "cell 3 coefficient"],
-    ) -> tuple[Kernel, Kernel]:
+    ) -> tuple[Kernel, SmoothKernel]:
         """Matrices from the coefficients of w to (1/8 pi) PV int T_ijk(y - x) w_j n_k dS.
 
-        **Returns:** that of the near kernel, and that of the kernel in free space, in which the
-        integral of a constant w is -w/2 exactly: the rule's error for the free kernel and w = w(x)
-        is taken from both, which leaves integrands without a singularity.
+        In free space the integral of a constant w is -w/2 exactly: the rule's error for that kernel
+        and w = w(x) is taken from the near kernel's, which leaves an integrand without a
+        singularity.
+
+        **Returns:** that of the near kernel, and what is to be added to it for the kernel in free
+        space, for the lowest degrees of w only, which is good enough for a preconditioner.
         """
         shifted = shift_longitude(shapes, longitudes)
 
@@ -108,19 +120,18 @@ class OwnSurfaceRule(eqx.Module):
             error = -0.5 * jnp.array([float(i == j) for i, j in SYMMETRIC])[:, None, None]
             error = error - scale * jnp.sum(alone, axis=(-2, -1))
             at_target = jnp.einsum("sca,k->scak", error, self._at_pole())
-
-            def finished(kernel: Array) -> Array:
-                moments = scale * self.tables.moments(kernel) + at_target
-                return unshift_longitude(moments @ rotation, longitudes)
-
-            return finished(near), finished(alone)
+            moments = scale * self.tables.moments(near) + at_target
+            smooth = scale * self.low_tables.moments(alone - near)
+            # Degrees do not mix in a rotation.
+            low = rotation[: smooth.shape[-1], : smooth.shape[-1]]
+            return (
+                unshift_longitude(moments @ rotation, longitudes),
+                unshift_longitude(smooth @ low, longitudes),
+            )
 
         by_ring = jax.lax.map(of_ring, (self.rotations, jnp.moveaxis(targets, 1, 0)))
-
-        def arranged(kernel: Float[Array, "ring 6 cell azimuth coefficient"]) -> Kernel:
-            return jnp.transpose(kernel[:, UNFOLD], (3, 0, 4, 1, 2, 5))
-
-        return arranged(by_ring[0]), arranged(by_ring[1])
+        near, smooth = (jnp.transpose(each, (2, 0, 3, 1, 4)) for each in by_ring)
+        return near, smooth
 
     def _at_pole(self) -> Float[Array, " coefficient"]:
         """Harmonics at the pole: those of order 0, where they are sqrt((2 n + 1)/(4 pi))."""
@@ -140,5 +151,6 @@ def own_surface_rule(
         parameter=parameter,
         rotations=jnp.asarray(np.stack([polar_rotation(degree, float(each)) for each in theta])),
         tables=polar_tables(degree, alpha, beta),
+        low_tables=polar_tables(min(degree, SMOOTH_DEGREE), alpha, beta),
         weights=jnp.asarray(weights),
     )

@@ -25,6 +25,7 @@ import jax.numpy as jnp
 import jax.scipy.linalg
 from jaxtyping import Array, Float
 
+from celltrain.flow.sources import UNFOLD
 from celltrain.train.gmres import Convergence, gmres
 
 Motions = Float[Array, "cell 3 coefficient"]
@@ -36,8 +37,8 @@ Outer = Callable[[Motions], Motions]
 class InteriorFlow(eqx.Module):
     """K at fixed shapes: each cell's own part as a matrix, and the motions known exactly.
 
-    `near` and `free` act on a cell's flattened coefficients, with the near kernel and in free
-    space; `rigid` are orthonormal rigid motions, `normal` the direction of the volume's gradient.
+    `near` and `free` act on a cell's flattened coefficients, with the near kernel and, nearly, in
+    free space; `rigid` are orthonormal rigid motions, `normal` the direction of the volume's gradient.
     """
 
     near: Float[Array, "cell size size"]
@@ -62,7 +63,7 @@ class InteriorFlow(eqx.Module):
         return self.without_inflation(flow) - 0.5 * rigid
 
     def own_equation(self, ratio: Float[Array, ""]) -> Float[Array, "cell size size"]:
-        """Matrix of each cell's equation in free space."""
+        """Matrix of each cell's equation in free space, nearly."""
         cells, size, _ = self.free.shape
         rigid = self.rigid.reshape(cells, 6, size)
         normal = self.normal.reshape(cells, size)
@@ -133,17 +134,22 @@ def interior_flow(
     volume_gradients: Float[Array, "cell 3 coefficient"],
 ) -> InteriorFlow:
     """K from the matrices of `OwnSurfaceRule.double_layer`, projected from the target grid."""
+    cells, count = shapes.shape[0], shapes.shape[-1]
 
     def projected(kernel: Array) -> Array:
-        cells, count = shapes.shape[0], shapes.shape[-1]
-        flat = kernel.reshape(cells, -1, 9 * count)
-        flat = (projection @ flat).reshape(cells, count, 3, 3, count)
-        return jnp.moveaxis(flat, 1, 2).reshape(cells, 3 * count, 3 * count)
+        flat = projection @ kernel.reshape(cells, projection.shape[1], -1)
+        return flat.reshape(cells, count, 6, -1)[:, :, UNFOLD]
+
+    near, smooth = (projected(each) for each in kernels)
+    free = near.at[..., : smooth.shape[-1]].add(smooth)
+
+    def matrix(kernel: Float[Array, "cell coefficient 3 3 coefficient"]) -> Array:
+        return jnp.moveaxis(kernel, 1, 2).reshape(cells, 3 * count, 3 * count)
 
     size = jnp.linalg.norm(volume_gradients, axis=(1, 2), keepdims=True)
     return InteriorFlow(
-        near=projected(kernels[0]),
-        free=projected(kernels[1]),
+        near=matrix(near),
+        free=matrix(free),
         rigid=rigid_motions(shapes),
         normal=volume_gradients / size,
     )
