@@ -12,6 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from celltrain.evolution.films import FilmForces, Films, film_forces
+from celltrain.evolution.repulsion import Repulsion
 from celltrain.membrane import surface_geometry
 from celltrain.stability import paper_weights
 from celltrain.steady import Base
@@ -38,6 +40,9 @@ class Settled:
             solid angle, r0.
         energy: elastic energy of all membranes, mu U r0^2.
         area: area of all membranes, r0^2.
+        gap: thinnest film within the range of the repulsion, r0; infinite if there is none.
+        film_energy, film_force: energy of the repulsion, mu U r0^2, and the largest force of films
+            on a cell, mu U r0.
     """
 
     shapes: Shapes
@@ -47,6 +52,9 @@ class Settled:
     eps_x: float
     energy: float
     area: float
+    gap: float
+    film_energy: float
+    film_force: float
 
 
 class _Measured(eqx.Module):
@@ -60,7 +68,7 @@ class Dynamics(eqx.Module):
 
     `base` are the shapes of the steady train, at rest in this frame; `weights` those of the paper's
     norm. Displacements and distances are in r0, rates in U. `wall_gap` is the smallest distance of
-    a cell from the wall for which the wall is resolved.
+    a cell from the wall for which the wall is resolved, `film_forces` the repulsion in thin films.
     """
 
     operator: TrainOperator
@@ -69,11 +77,20 @@ class Dynamics(eqx.Module):
     cell_velocity: Float[Array, ""]
     length: Float[Array, ""]
     volume: Float[Array, ""]
+    film_forces: FilmForces = eqx.field(static=True)
     wall_gap: float = eqx.field(static=True)
 
     def rates(self, shapes: Shapes) -> Shapes:
-        """ds/dt in the frame of the steady train, in U; not numbers for shapes that are none."""
-        return np.asarray(_rates(self, jnp.asarray(shapes)))
+        """ds/dt in the frame of the steady train, in U.
+
+        Not numbers for shapes that are none, nor where the repulsion finds membranes crossing.
+        """
+        if not np.isfinite(shapes).all():
+            return np.full_like(shapes, np.nan)
+        films = self.film_forces(shapes)
+        if films.gap <= 0.0:
+            return films.forces
+        return np.asarray(_rates(self, jnp.asarray(shapes), jnp.asarray(films.forces)))
 
     def tube_rates(self, rates: Shapes) -> Shapes:
         """The same rates relative to the tube."""
@@ -95,8 +112,17 @@ class Dynamics(eqx.Module):
         back by whole lengths.
         """
         found = _settle(self, jnp.asarray(shapes))
-        correction, *rest = (float(number) for number in np.asarray(found.numbers))
-        return Settled(np.asarray(found.shapes), np.asarray(found.laps), correction, *rest)
+        settled = np.asarray(found.shapes)
+        finite = bool(np.isfinite(settled).all())
+        films = self.film_forces(settled) if finite else Films(np.nan, np.nan, np.nan, settled)
+        return Settled(
+            settled,
+            np.asarray(found.laps),
+            *(float(number) for number in np.asarray(found.numbers)),
+            gap=films.gap,
+            film_energy=films.energy,
+            film_force=films.force,
+        )
 
     def displacement(self, change: Shapes) -> float:
         """Largest displacement of a membrane's point by a change of the shapes, in r0."""
@@ -113,7 +139,7 @@ class Dynamics(eqx.Module):
         return self.displacement(shapes - np.asarray(self.base))
 
 
-def train_dynamics(base: Base, *, wall_gap: float) -> Dynamics:
+def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dynamics:
     """The dynamics of the N cells of a train about a steady state."""
     train = base.train
     operator = train_operator(train, cells=train.cells, rings=False, gap=wall_gap)
@@ -124,13 +150,14 @@ def train_dynamics(base: Base, *, wall_gap: float) -> Dynamics:
         cell_velocity=jnp.asarray(base.cell_velocity),
         length=jnp.asarray(train.length),
         volume=operator.membrane.volume(jnp.asarray(base.coefficients)),
+        film_forces=film_forces(train, repulsion),
         wall_gap=wall_gap,
     )
 
 
 @eqx.filter_jit
-def _rates(dynamics: Dynamics, shapes: Array) -> Array:
-    rates = dynamics.operator.rates(shapes)
+def _rates(dynamics: Dynamics, shapes: Array, film_forces: Array) -> Array:
+    rates = dynamics.operator.rates(shapes, film_forces)
     return rates.at[:, 2, 0].add(-UNIT_DISPLACEMENT * dynamics.cell_velocity)
 
 
