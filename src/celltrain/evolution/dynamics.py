@@ -115,10 +115,15 @@ class Dynamics(eqx.Module):
         settled = np.asarray(found.shapes)
         finite = bool(np.isfinite(settled).all())
         films = self.film_forces(settled) if finite else Films(np.nan, np.nan, np.nan, settled)
+        correction, eps, eps_x, energy, area = (float(each) for each in np.asarray(found.numbers))
         return Settled(
-            settled,
-            np.asarray(found.laps),
-            *(float(number) for number in np.asarray(found.numbers)),
+            shapes=settled,
+            laps=np.asarray(found.laps),
+            volume_correction=correction,
+            eps=eps,
+            eps_x=eps_x,
+            energy=energy,
+            area=area,
             gap=films.gap,
             film_energy=films.energy,
             film_force=films.force,

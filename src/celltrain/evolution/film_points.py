@@ -144,8 +144,8 @@ class FilmGrid:
                         if cell not in trees:
                             trees[cell] = cKDTree(points[cell])
                     near = (
-                        _near(points[first] - shift, trees[second], reach),
-                        _near(points[second] + shift, trees[first], reach),
+                        np.isfinite(_query(points[first] - shift, trees[second], reach)[0]),
+                        np.isfinite(_query(points[second] + shift, trees[first], reach)[0]),
                     )
                     if near[0].any():
                         sides += self._candidates(shapes, (first, second), near, shift, within)
@@ -167,7 +167,7 @@ class FilmGrid:
         bound = float(np.hypot(within, _spacing(FINE * self.degree)))
         found = []
         for side, points, others in ((0, here, there), (1, there, here)):
-            distance, index = cKDTree(others).query(points, distance_upper_bound=bound)
+            distance, index = _query(points, cKDTree(others), bound)
             close = np.flatnonzero(np.isfinite(distance))
             index = index[close]
             guess = nodes[1 - side][index]
@@ -204,7 +204,8 @@ class FilmGrid:
             # The last batch repeats its first point.
             number = np.arange(start, start + BATCH)
             number = np.where(number < len(points), number, start)
-            near = _batch(self.method, all_shapes, cells[number], points[number], guesses[number])
+            chosen = (jnp.asarray(each[number]) for each in (cells, points, guesses))
+            near = _batch(self.method, all_shapes, *chosen)
             count = min(BATCH, len(points) - start)
             for row, each in zip(found, (near.theta, near.phi, near.distance), strict=True):
                 row[start : start + count] = np.asarray(each)[:count]
@@ -216,9 +217,12 @@ def _spacing(order: int) -> float:
     return float(STRETCH * np.sqrt(0.5) * np.pi / order)
 
 
-def _near(points: Points, tree: cKDTree, reach: float) -> Bool[np.ndarray, " node"]:
-    distance, _ = tree.query(points, distance_upper_bound=reach)
-    return np.isfinite(distance)
+def _query(
+    points: Points, tree: cKDTree, reach: float
+) -> tuple[Float[np.ndarray, " point"], Int[np.ndarray, " point"]]:
+    """Distance to the nearest point of the tree, infinite beyond the reach, and its number."""
+    distance, index = tree.query(points, distance_upper_bound=reach)
+    return np.asarray(distance), np.asarray(index)
 
 
 @lru_cache(maxsize=4)
@@ -227,14 +231,14 @@ def film_grid(degree: int) -> FilmGrid:
     coarse, fine = sphere_grid(degree, COARSE * degree), sphere_grid(degree, FINE * degree)
     angles = np.stack(fine.points(), axis=-1)
     tables = harmonic_tables(degree, *fine.points())
-    _, parent = cKDTree(_directions(*coarse.points())).query(_directions(*fine.points()))
+    parent = cKDTree(_directions(*coarse.points())).query(_directions(*fine.points()))[1]
     return FilmGrid(
         degree=degree,
         coarse=np.asarray(coarse.values),
         fine=np.asarray(fine.values),
         slopes=np.stack([tables.d_theta, tables.d_phi]),
         angles=angles,
-        parent=parent,
+        parent=np.asarray(parent),
         method=nearest_point(degree),
     )
 
