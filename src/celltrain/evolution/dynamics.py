@@ -90,7 +90,12 @@ class Dynamics(eqx.Module):
         films = self.film_forces(shapes)
         if films.gap <= 0.0:
             return films.forces
-        return np.asarray(_rates(self, jnp.asarray(shapes), jnp.asarray(films.forces)))
+        return self.forced_rates(shapes, films.forces)
+
+    def forced_rates(self, shapes: Shapes, forces: Shapes) -> Shapes:
+        """The rates with given forces per solid angle (mu U r0) beside those of the membranes."""
+        arguments = (jnp.asarray(each) for each in (shapes, forces))
+        return np.asarray(_rates(self.operator, self.cell_velocity, *arguments))
 
     def tube_rates(self, rates: Shapes) -> Shapes:
         """The same rates relative to the tube."""
@@ -161,9 +166,8 @@ def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dyna
 
 
 @eqx.filter_jit
-def _rates(dynamics: Dynamics, shapes: Array, film_forces: Array) -> Array:
-    rates = dynamics.operator.rates(shapes, film_forces)
-    return rates.at[:, 2, 0].add(-UNIT_DISPLACEMENT * dynamics.cell_velocity)
+def _rates(operator: TrainOperator, velocity: Array, shapes: Array, forces: Array) -> Array:
+    return operator.rates(shapes, forces).at[:, 2, 0].add(-UNIT_DISPLACEMENT * velocity)
 
 
 @eqx.filter_jit
