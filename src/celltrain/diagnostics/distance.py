@@ -1,9 +1,9 @@
 """Smallest distances: from each cell to the wall, and to the nearest other cell.
 
 Distances are taken between points of the membranes, first those of a grid, then ever finer patches
-around the closest ones. So each is an upper bound. It is sharp (to about 1e-8 r0) if the closest
-points of the grid lie in the right valley, which can fail where two places are nearly equally
-close. Cells that cross each other have distance 0, to about 1e-5 r0, however deep one is in the
+around the closest ones. So each is an upper bound. It is sharp (to about 1e-8 r0) if one of the
+closest pairs of the grid's points lies in the right valley: several are followed, since where
+membranes lie along each other those of a grid say little about where they are closest. Cells that cross each other have distance 0, to about 1e-5 r0, however deep one is in the
 other; the distance to the wall is negative for a cell that sticks out.
 """
 
@@ -20,6 +20,10 @@ from celltrain.harmonics import real_harmonics, sphere_grid
 LEVELS = 9
 FINER = 0.4
 REACH = 2
+# Pairs of the grid's points that are followed for each cell, about as many as a contact holds, and
+# the patches after which only the best of them is.
+STARTS = 12
+FIRST_LEVELS = 2
 
 Shapes = Float[np.ndarray, "cell 3 coefficient"]
 Directions = Float[np.ndarray, "cell 3"]
@@ -66,35 +70,50 @@ def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
     **Arguments:** `length`: period of the whole train; images of all cells count, a cell's own too.
     """
     grid = _grid(int(np.sqrt(shapes.shape[-1])))
-    cells = np.arange(len(shapes))
     points = np.einsum("pk,cik->cpi", grid.values, shapes)
     near = _nearest_points(points, length)
     moved = shapes[near.partner]
     # Y_00 = 1/sqrt(4 pi).
     moved[:, 2, 0] += np.sqrt(4.0 * np.pi) * near.shift
-    ours, theirs = grid.directions[near.point], grid.directions[near.partner_point]
-    smallest = np.zeros(len(shapes))
-    for level in range(LEVELS):
-        size = grid.spacing * FINER ** (level + 1)
+    ours, theirs = (
+        grid.directions[each].reshape(-1, 3) for each in (near.points, near.partner_points)
+    )
+    sizes = grid.spacing * FINER ** np.arange(1.0, LEVELS + 1.0)
+    both = np.repeat(shapes, STARTS, axis=0), np.repeat(moved, STARTS, axis=0)
+    distance, ours, theirs = _closest(*both, ours, theirs, sizes[:FIRST_LEVELS])
+    best = np.argmin(distance.reshape(-1, STARTS), axis=1) + STARTS * np.arange(len(shapes))
+    return _closest(shapes, moved, ours[best], theirs[best], sizes[FIRST_LEVELS:])[0]
+
+
+def _closest(
+    shapes: Shapes,
+    others: Shapes,
+    ours: Directions,
+    theirs: Directions,
+    sizes: Float[np.ndarray, " level"],
+) -> tuple[Float[np.ndarray, " cell"], Directions, Directions]:
+    """Smallest distances of pairs of surfaces on patches of these sizes, and where they are."""
+    pairs = np.arange(len(shapes))
+    distance = np.zeros(len(shapes))
+    for size in sizes:
         first, second = _patch(ours, size), _patch(theirs, size)
-        both = _evaluate(np.concatenate([shapes, moved]), np.concatenate([first, second]))
-        here, there = both[: len(shapes)], both[len(shapes) :]
+        here, there = _evaluate(shapes, first), _evaluate(others, second)
         squares = np.sum((here[:, :, None] - there[:, None]) ** 2, axis=-1)
         best = np.argmin(squares.reshape(len(shapes), -1), axis=1)
-        smallest = np.sqrt(squares.reshape(len(shapes), -1)[cells, best])
-        ours = first[cells, best // squares.shape[2]]
-        theirs = second[cells, best % squares.shape[2]]
-    return smallest
+        distance = np.sqrt(squares.reshape(len(shapes), -1)[pairs, best])
+        ours = first[pairs, best // squares.shape[2]]
+        theirs = second[pairs, best % squares.shape[2]]
+    return distance, ours, theirs
 
 
 @dataclass(frozen=True)
 class _Nearest:
-    """For each cell the nearest other one, its axial shift, and the closest points of both."""
+    """For each cell the nearest other one, its axial shift, and close pairs of points of both."""
 
     partner: Int[np.ndarray, " cell"]
     shift: Float[np.ndarray, " cell"]
-    point: Int[np.ndarray, " cell"]
-    partner_point: Int[np.ndarray, " cell"]
+    points: Int[np.ndarray, "cell start"]
+    partner_points: Int[np.ndarray, "cell start"]
 
 
 def _nearest_points(points: Float[np.ndarray, "cell point 3"], length: float) -> _Nearest:
@@ -115,7 +134,8 @@ def _nearest_points(points: Float[np.ndarray, "cell point 3"], length: float) ->
 
     trees = [cKDTree(each) for each in points]
     smallest = np.full(cells, np.inf)
-    partner, point, partner_point = (np.zeros(cells, dtype=int) for _ in range(3))
+    partner = np.zeros(cells, dtype=int)
+    close, partner_close = (np.zeros((cells, STARTS), dtype=int) for _ in range(2))
     shift = np.zeros(cells)
     for place in np.argsort(bound, axis=None, kind="stable"):
         if bound.flat[place] >= smallest.max():
@@ -125,15 +145,15 @@ def _nearest_points(points: Float[np.ndarray, "cell point 3"], length: float) ->
         if bound[pair, image] >= max(smallest[p], smallest[q]):
             continue
         distance, index = trees[q].query(points[p] - [0.0, 0.0, move])
-        closest = int(np.argmin(distance))
-        found, other = distance[closest], int(index[closest])
+        closest = np.argsort(distance)[:STARTS]
+        found, other = distance[closest[0]], index[closest]
         if found < smallest[p]:
             smallest[p], partner[p], shift[p] = found, q, move
-            point[p], partner_point[p] = closest, other
+            close[p], partner_close[p] = closest, other
         if found < smallest[q]:
             smallest[q], partner[q], shift[q] = found, p, -move
-            point[q], partner_point[q] = other, closest
-    return _Nearest(partner, shift, point, partner_point)
+            close[q], partner_close[q] = other, closest
+    return _Nearest(partner, shift, close, partner_close)
 
 
 def _patch(middle: Directions, spacing: float) -> Float[np.ndarray, "cell node 3"]:
