@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from celltrain import Base, CaseError, Train, save
 from celltrain.cli import main
+from celltrain.diagnostics import cell_distance
 from celltrain.evolution import (
     ForwardEuler,
     FromFile,
@@ -205,6 +206,16 @@ def side_by_side(dynamics: Dynamics, gap: float) -> np.ndarray:
         shapes[:, 0, 0] = UNIT_DISPLACEMENT * np.array([-middle, middle])
         near, far = (middle, far) if wide(shapes).gap < gap else (near, middle)
     return shapes
+
+
+def test_distance_of_membranes_along_each_other(dynamics: Dynamics) -> None:
+    # A nose in the next cell's hollow: close all around, and closest between points of the grid.
+    shapes = np.array(dynamics.base)
+    shapes[1, 0, 0] += 0.1 * UNIT_DISPLACEMENT
+    for gap in (0.02, 0.05):
+        nested = with_gap(dynamics.film_forces, shapes, gap)
+        found = cell_distance(nested, float(dynamics.length))
+        assert_allclose(found, gap, rtol=0, atol=1e-3)
 
 
 def test_membranes_and_films_lose_energy_without_flow(dynamics: Dynamics) -> None:

@@ -1,29 +1,32 @@
 """Smallest distances: from each cell to the wall, and to the nearest other cell.
 
 Distances are taken between points of the membranes, first those of a grid, then ever finer patches
-around the closest ones. So each is an upper bound. It is sharp (to about 1e-8 r0) if one of the
-closest pairs of the grid's points lies in the right valley: several are followed, since where
-membranes lie along each other those of a grid say little about where they are closest. Cells that cross each other have distance 0, to about 1e-5 r0, however deep one is in the
-other; the distance to the wall is negative for a cell that sticks out.
+around the closest ones. So each is an upper bound. It is sharp (to about 1e-8 r0) if the closest
+points of the grid lie in the right valley, which can fail where two places are nearly equally
+close. Where membranes lie along each other, the points of two grids say little about where they are
+closest, so points of one are compared by their distances from the other surface. Cells that cross
+each other have distance 0, to about 1e-5 r0, however deep one is in the other; the distance to the
+wall is negative for a cell that sticks out.
 """
 
 from dataclasses import dataclass
 from functools import lru_cache
 
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Array, Float, Int
 from scipy.spatial import cKDTree
 
+from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
 from celltrain.harmonics import real_harmonics, sphere_grid
 
 # Patches, each finer than the last one by this factor; nodes of one from its middle to its edge.
 LEVELS = 9
 FINER = 0.4
 REACH = 2
-# Pairs of the grid's points that are followed for each cell, about as many as a contact holds, and
-# the patches after which only the best of them is.
-STARTS = 12
-FIRST_LEVELS = 2
+# Points of the grid whose distances from the nearest other surface are found for each cell.
+STARTS = 64
 
 Shapes = Float[np.ndarray, "cell 3 coefficient"]
 Directions = Float[np.ndarray, "cell 3"]
@@ -31,21 +34,34 @@ Directions = Float[np.ndarray, "cell 3"]
 
 @dataclass(frozen=True)
 class _Grid:
-    """Points of the unit sphere, their harmonics, and their spacing as an angle."""
+    """Points of the unit sphere, their harmonics, their spacing as an angle; nearest points."""
 
+    angles: Float[np.ndarray, "point 2"]
     directions: Float[np.ndarray, "point 3"]
     values: Float[np.ndarray, "point coefficient"]
     spacing: float
+    method: NearestPoint
 
 
 @lru_cache(maxsize=4)
 def _grid(degree: int) -> _Grid:
     order = 2 * degree
     grid = sphere_grid(degree, order)
-    theta, phi = grid.points()
+    angles = np.stack(grid.points(), axis=-1)
+    return _Grid(
+        angles=angles,
+        directions=_direction(*angles.T),
+        values=np.asarray(grid.values),
+        spacing=np.pi / order,
+        method=nearest_point(degree),
+    )
+
+
+def _direction(
+    theta: float | Float[np.ndarray, " point"], phi: float | Float[np.ndarray, " point"]
+) -> Float[np.ndarray, "*point 3"]:
     sine = np.sin(theta)
-    directions = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)], axis=-1)
-    return _Grid(directions, np.asarray(grid.values), np.pi / order)
+    return np.stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)], axis=-1)
 
 
 def wall_distance(shapes: Shapes, radius: float) -> Float[np.ndarray, " cell"]:
@@ -70,40 +86,46 @@ def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
     **Arguments:** `length`: period of the whole train; images of all cells count, a cell's own too.
     """
     grid = _grid(int(np.sqrt(shapes.shape[-1])))
+    cells = np.arange(len(shapes))
     points = np.einsum("pk,cik->cpi", grid.values, shapes)
     near = _nearest_points(points, length)
     moved = shapes[near.partner]
     # Y_00 = 1/sqrt(4 pi).
     moved[:, 2, 0] += np.sqrt(4.0 * np.pi) * near.shift
-    ours, theirs = (
-        grid.directions[each].reshape(-1, 3) for each in (near.points, near.partner_points)
-    )
-    sizes = grid.spacing * FINER ** np.arange(1.0, LEVELS + 1.0)
-    both = np.repeat(shapes, STARTS, axis=0), np.repeat(moved, STARTS, axis=0)
-    distance, ours, theirs = _closest(*both, ours, theirs, sizes[:FIRST_LEVELS])
-    best = np.argmin(distance.reshape(-1, STARTS), axis=1) + STARTS * np.arange(len(shapes))
-    return _closest(shapes, moved, ours[best], theirs[best], sizes[FIRST_LEVELS:])[0]
-
-
-def _closest(
-    shapes: Shapes,
-    others: Shapes,
-    ours: Directions,
-    theirs: Directions,
-    sizes: Float[np.ndarray, " level"],
-) -> tuple[Float[np.ndarray, " cell"], Directions, Directions]:
-    """Smallest distances of pairs of surfaces on patches of these sizes, and where they are."""
-    pairs = np.arange(len(shapes))
-    distance = np.zeros(len(shapes))
-    for size in sizes:
+    ours, theirs = np.zeros((2, len(shapes), 3))
+    for cell, (these, those) in enumerate(zip(near.points, near.partner_points, strict=True)):
+        found = _from_surface(
+            grid.method,
+            jnp.asarray(points[cell, these]),
+            jnp.asarray(moved[cell]),
+            jnp.asarray(grid.angles[those]),
+        )
+        best = int(np.argmin(np.abs(found.distance)))
+        ours[cell] = grid.directions[these[best]]
+        theirs[cell] = _direction(float(found.theta[best]), float(found.phi[best]))
+    smallest = np.zeros(len(shapes))
+    for level in range(LEVELS):
+        size = grid.spacing * FINER ** (level + 1)
         first, second = _patch(ours, size), _patch(theirs, size)
-        here, there = _evaluate(shapes, first), _evaluate(others, second)
+        both = _evaluate(np.concatenate([shapes, moved]), np.concatenate([first, second]))
+        here, there = both[: len(shapes)], both[len(shapes) :]
         squares = np.sum((here[:, :, None] - there[:, None]) ** 2, axis=-1)
         best = np.argmin(squares.reshape(len(shapes), -1), axis=1)
-        distance = np.sqrt(squares.reshape(len(shapes), -1)[pairs, best])
-        ours = first[pairs, best // squares.shape[2]]
-        theirs = second[pairs, best % squares.shape[2]]
-    return distance, ours, theirs
+        smallest = np.sqrt(squares.reshape(len(shapes), -1)[cells, best])
+        ours = first[cells, best // squares.shape[2]]
+        theirs = second[cells, best % squares.shape[2]]
+    return smallest
+
+
+@eqx.filter_jit
+def _from_surface(
+    method: NearestPoint,
+    points: Float[Array, "start 3"],
+    shape: Float[Array, "3 coefficient"],
+    guesses: Float[Array, "start 2"],
+) -> NearestPoints:
+    shapes = jnp.broadcast_to(shape, (points.shape[0], *shape.shape))
+    return method(points, shapes, guesses)
 
 
 @dataclass(frozen=True)

@@ -116,7 +116,8 @@ class Dynamics(eqx.Module):
         the train can meet, so a cell whose mean point has left the window of that length is put
         back by whole lengths.
         """
-        found = _settle(self, jnp.asarray(shapes))
+        fixed = (self.operator, self.base, self.weights, self.length, self.volume)
+        found = _settle(*fixed, jnp.asarray(shapes))
         settled = np.asarray(found.shapes)
         finite = bool(np.isfinite(settled).all())
         films = self.film_forces(settled) if finite else Films(np.nan, np.nan, np.nan, settled)
@@ -171,13 +172,20 @@ def _rates(operator: TrainOperator, velocity: Array, shapes: Array, forces: Arra
 
 
 @eqx.filter_jit
-def _settle(dynamics: Dynamics, shapes: Array) -> _Measured:
-    membrane, base = dynamics.operator.membrane, dynamics.base
+def _settle(
+    operator: TrainOperator,
+    base: Float[Array, "cell 3 coefficient"],
+    weights: Float[Array, " coefficient"],
+    length: Float[Array, ""],
+    volume: Float[Array, ""],
+    shapes: Float[Array, "cell 3 coefficient"],
+) -> _Measured:
+    membrane = operator.membrane
 
     def corrected(shape: Array) -> Array:
         for _ in range(VOLUME_ITERATIONS):
             gradient = membrane.volume_gradient(shape)
-            missing = dynamics.volume - membrane.volume(shape)
+            missing = volume - membrane.volume(shape)
             shape = shape + missing / jnp.sum(gradient**2) * gradient
         return shape
 
@@ -186,20 +194,20 @@ def _settle(dynamics: Dynamics, shapes: Array) -> _Measured:
         return jnp.sum(element * membrane.inverse_sine * membrane.weights)
 
     settled = jax.vmap(corrected)(shapes)
-    correction = (settled - shapes) @ dynamics.operator.target_grid.values.T
+    correction = (settled - shapes) @ operator.target_grid.values.T
     displaced = settled - base
     # The window starts half a cell's period before the first cell of the steady train.
-    start = base[0, 2, 0] / UNIT_DISPLACEMENT - 0.5 * dynamics.length / base.shape[0]
+    start = base[0, 2, 0] / UNIT_DISPLACEMENT - 0.5 * length / base.shape[0]
     places = settled[:, 2, 0] / UNIT_DISPLACEMENT - start
-    laps = jnp.floor(places / dynamics.length)
+    laps = jnp.floor(places / length)
     numbers = jnp.stack(
         [
             jnp.sqrt(jnp.max(jnp.sum(correction**2, axis=1))),
-            jnp.sqrt(jnp.sum(dynamics.weights * displaced**2)),
+            jnp.sqrt(jnp.sum(weights * displaced**2)),
             jnp.sqrt(jnp.sum(displaced**2)) / UNIT_DISPLACEMENT,
             jnp.sum(jax.vmap(membrane.energy)(settled)),
             jnp.sum(jax.vmap(area)(settled)),
         ]
     )
-    wrapped = settled.at[:, 2, 0].add(-UNIT_DISPLACEMENT * dynamics.length * laps)
+    wrapped = settled.at[:, 2, 0].add(-UNIT_DISPLACEMENT * length * laps)
     return _Measured(wrapped, laps.astype(int), numbers)

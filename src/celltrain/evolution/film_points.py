@@ -116,19 +116,19 @@ class FilmGrid:
 
     def near_wall(self, shapes: Shapes, *, within: float, radius: float) -> WallPoints:
         """All points less than `within` (r0) from the wall of a tube of the given radius."""
-        across = np.einsum("nk,cik->cni", self.coarse, shapes[:, :2])
-        largest = np.sqrt(np.max(np.sum(across**2, axis=-1), axis=1))
+        across = shapes[:, :2] @ self.coarse.T
+        largest = np.sqrt(np.max(np.sum(across**2, axis=1), axis=1))
         near = np.flatnonzero(radius - largest < within + _spacing(COARSE * self.degree))
-        points = np.einsum("pk,cik->cpi", self.fine, shapes[near, :2])
-        axial = np.hypot(points[..., 0], points[..., 1])
+        points = shapes[near, :2] @ self.fine.T
+        axial = np.sqrt(np.sum(points**2, axis=1))
         place, node = np.nonzero(radius - axial < within)
         distance = radius - axial[place, node]
         inward = np.zeros((len(node), 3))
-        inward[:, :2] = -points[place, node] / axial[place, node, None]
+        inward[:, :2] = -points[place, :, node] / axial[place, node, None]
         return WallPoints(near[place], node, distance, inward)
 
     def _sides(self, shapes: Shapes, within: float, period: float) -> list[_Side]:
-        points = np.einsum("nk,cik->cni", self.coarse, shapes)
+        points = np.swapaxes(shapes @ self.coarse.T, 1, 2)
         low, high = points.min(axis=1), points.max(axis=1)
         reach = within + 2.0 * _spacing(COARSE * self.degree)
         trees: dict[int, cKDTree] = {}
