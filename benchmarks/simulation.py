@@ -119,7 +119,7 @@ def main() -> None:
     if run.train != TRAIN or run.integrator != RungeKuttaChebyshev(TOLERANCES[0]):
         parser.error(f"{options.run} is no simulation of this train by the default method")
     state = run.state
-    dynamics = train_dynamics(run.base, wall_gap=state.wall_gap)
+    dynamics = train_dynamics(run.base, run.repulsion, wall_gap=state.wall_gap)
     # What is compiled is not measured.
     dynamics.settle(dynamics.rates(state.shapes) + state.shapes)
     errors.print(f"from t = {state.time:.0f} r0/U")

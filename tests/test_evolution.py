@@ -18,6 +18,7 @@ from celltrain.evolution import (
     Leading,
     Mode,
     RandomDisplacement,
+    Repulsion,
     RungeKuttaChebyshev,
     Transient,
     evolve,
@@ -130,7 +131,7 @@ def test_power_iteration_finds_the_spectral_radius() -> None:
 
 @pytest.fixture(scope="session")
 def dynamics(coarse_base: Base) -> Dynamics:
-    return train_dynamics(coarse_base, wall_gap=0.8)
+    return train_dynamics(coarse_base, Repulsion(), wall_gap=0.8)
 
 
 @pytest.fixture(scope="session")
@@ -153,7 +154,7 @@ def test_the_steady_train_is_at_rest_in_its_frame(dynamics: Dynamics) -> None:
 
 
 def test_order_of_the_chebyshev_method_on_a_train(single: Base) -> None:
-    dynamics = train_dynamics(single, wall_gap=0.8)
+    dynamics = train_dynamics(single, Repulsion(), wall_gap=0.8)
     start = np.asarray(dynamics.base) + RandomDisplacement(0.5, seed=1).shapes(single)
     # Of the fast modes the method only says that they decay, so they are over here.
     for _ in range(6):

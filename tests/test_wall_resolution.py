@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError
-from celltrain.evolution import FromFile, StepFailed, evolve, resume
+from celltrain.evolution import FromFile, Repulsion, StepFailed, evolve, resume
 from celltrain.evolution.dynamics import UNIT_DISPLACEMENT, train_dynamics
 from celltrain.evolution.wall_resolution import LARGEST, SMALLEST, followed
 from celltrain.flow import wall
@@ -55,7 +55,7 @@ def single(coarse_base: Base) -> Base:
 def moved_to(distance: float, base: Base, path: Path) -> FromFile:
     """The steady train's cell moved sideways, to a distance from the wall."""
     change = np.zeros((1, *base.coefficients.shape))
-    dynamics = train_dynamics(base, wall_gap=LARGEST)
+    dynamics = train_dynamics(base, Repulsion(), wall_gap=LARGEST)
     aside = dynamics.wall_distance(np.asarray(dynamics.base)) - distance
     change[0, 0, 0] = aside * UNIT_DISPLACEMENT
     np.save(path, change)
@@ -72,7 +72,7 @@ def test_a_cell_near_the_wall_refines_it(single: Base, tmp_path: Path) -> None:
     # Refined further nothing changes; a wall for cells on the axis gives something else.
     shapes = run.shapes[0]
     served, finer, coarse = (
-        train_dynamics(single, wall_gap=gap).rates(shapes) for gap in (0.2, 0.15, 1.6)
+        train_dynamics(single, Repulsion(), wall_gap=gap).rates(shapes) for gap in (0.2, 0.15, 1.6)
     )
     size = np.linalg.norm(finer)
     assert np.linalg.norm(served - finer) < 1e-6 * size

@@ -127,15 +127,44 @@ def runs_table(page: Page, found: Mapping[str, Mapping[str, Any]]) -> None:
                 content["evaluations"],
                 f"{content['time'] / hours:.0f}",
                 f"{content['largest_volume_correction']:.1e}",
+                repulsion(content),
             ]
         else:
-            row += [""] * 4
+            row += [""] * 5
         rows.append(row)
     page.heading("Simulations")
     columns = ("name", "what", "N, packing", "disturbance", "state, r0/U", "hours")
     page.table(
-        (*columns, "evaluations", "r0/U per hour", "largest correction of a volume, r0"), rows
+        (
+            *columns,
+            "evaluations",
+            "r0/U per hour",
+            "largest correction of a volume, r0",
+            "repulsion",
+        ),
+        rows,
     )
+    page.text(
+        """
+Repulsion: what keeps membranes apart in films that the harmonics do not resolve, see [the
+method](../method.md). Since when it acted, the thinnest film, the largest force of films on a cell,
+and the largest energy of all films over that of the membranes; before that it is absent.
+"""
+    )
+
+
+def repulsion(content: Mapping[str, Any]) -> str:
+    """How much the repulsion acted, in words."""
+    record = content["repulsion"]
+    if record["since"] is None:
+        return f"none within {record['range']:g} r0"
+    parts = (
+        f"since {record['since']:.0f}",
+        f"{record['smallest_gap']:.4f} r0",
+        f"{record['largest_force']:.2g} mu U r0",
+        f"{record['largest_energy_share']:.1e}",
+    )
+    return "; ".join(parts)
 
 
 def statements(found: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, str]]:
@@ -219,17 +248,20 @@ def course(page: Page, leading: Mapping[str, Any]) -> None:
     measures = ("eps_x", "inclination", "radial", "opposition", "spacing", "cell_distance")
     rows = []
     for time, said in zip(PAPER_TIMES, PAPER_SAYS, strict=True):
-        values = [at(leading, name, time) for name in (*measures, "extra_pressure_drop")]
+        names = (*measures, "film_share", "extra_pressure_drop")
+        values = [at(leading, name, time) for name in names]
         rows.append(
             [f"{time:.0f}", said, *("" if each is None else f"{each:.4g}" for each in values)]
         )
     columns = ("eps_x", "inclination, degrees", "off the axis, r0", "opposition", "spacing")
-    page.table(("t", "the paper", *columns, "smallest gap, r0", "extra pressure drop"), rows)
+    gaps = ("smallest gap, r0", "energy of films", "extra pressure drop")
+    page.table(("t", "the paper", *columns, *gaps), rows)
     page.text(
         """
 Opposition: 1 where neighbours turn oppositely, -1 where they turn alike. Spacing: largest deviation
 of the axial distance of two neighbours from the period, over it; a train is called out of order
-where that exceeds a half. Extra pressure drop: relative to that of plasma alone at the same flow
+where that exceeds a half. Energy of films: that of the repulsion, relative to the elastic energy of
+all membranes. Extra pressure drop: relative to that of plasma alone at the same flow
 rate. Empty: not reached yet.
 """
     )

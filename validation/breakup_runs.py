@@ -137,6 +137,8 @@ def summary(run: Run) -> dict[str, Any]:
         "energy": sum(
             run.frames[f"energy_{part}"].sum(axis=1) for part in ("shear", "dilatation", "bending")
         ),
+        "film_share": np.interp(run.times, run.history["time"], run.history["film_energy"])
+        / np.interp(run.times, run.history["time"], run.history["energy"]),
     }
     chosen = sorted({*spread(len(run.times), KEPT_TIMES), *snapshot_frames(run.times)})
     return {

@@ -28,6 +28,7 @@ from celltrain.evolution import (
     Leading,
     Mode,
     RandomDisplacement,
+    Repulsion,
     Run,
     RungeKuttaChebyshev,
     StepFailed,
@@ -37,6 +38,7 @@ from celltrain.evolution import (
 from celltrain.evolution import evolve as simulate
 from celltrain.evolution.integrator import check_positive
 from celltrain.evolution.report import SimulationReporter, print_run, run_summary
+from celltrain.evolution.repulsion import RANGE, STRENGTH
 from celltrain.parameters import CaseError, merge_case, read_case
 from celltrain.results import load
 from celltrain.stability import Stability, check_linearisable, stability
@@ -80,6 +82,13 @@ EulerStep = Annotated[
     float | None,
     Parameter(help="Take forward Euler steps of this size, r0/U, in place of adaptive ones."),
 ]
+RepulsionRange = Annotated[
+    float,
+    Parameter(help="Thickness of films within which membranes repel each other, r0; 0: never."),
+]
+RepulsionStrength = Annotated[
+    float, Parameter(help="Energy scale of the repulsion for each area of a film, mu U.")
+]
 SaveSeconds = Annotated[
     float, Parameter(help="Wall time between saves, s; 0 saves after every step.")
 ]
@@ -103,6 +112,8 @@ def evolve(
     every: Every = 1.0,
     step_tolerance: StepTolerance = 1e-3,
     euler_step: EulerStep = None,
+    repulsion_range: RepulsionRange = RANGE,
+    repulsion_strength: RepulsionStrength = STRENGTH,
     save_seconds: SaveSeconds = 30.0,
     output: Output = None,
     resume: Resume = False,
@@ -124,6 +135,7 @@ def evolve(
                     if euler_step is None
                     else ForwardEuler(euler_step)
                 )
+                repulsion = Repulsion(repulsion_range, repulsion_strength)
                 wanted = parse_disturbance(disturbance, amplitude)
                 start = _start(source, leaves, wanted, errors, quiet)
                 with SimulationReporter(errors, quiet=quiet) as reporter:
@@ -133,6 +145,7 @@ def evolve(
                         until=cast(float, until),
                         every=every,
                         integrator=integrator,
+                        repulsion=repulsion,
                         path=place,
                         overwrite=overwrite,
                         save_seconds=save_seconds,

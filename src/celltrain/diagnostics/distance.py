@@ -3,23 +3,30 @@
 Distances are taken between points of the membranes, first those of a grid, then ever finer patches
 around the closest ones. So each is an upper bound. It is sharp (to about 1e-8 r0) if the closest
 points of the grid lie in the right valley, which can fail where two places are nearly equally
-close. Cells that cross each other have distance 0, to about 1e-5 r0, however deep one is in the
-other; the distance to the wall is negative for a cell that sticks out.
+close. Where membranes lie along each other, the points of two grids say little about where they are
+closest, so points of one are compared by their distances from the other surface. Cells that cross
+each other have distance 0, to about 1e-5 r0, however deep one is in the other; the distance to the
+wall is negative for a cell that sticks out.
 """
 
 from dataclasses import dataclass
 from functools import lru_cache
 
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Array, Float, Int
 from scipy.spatial import cKDTree
 
+from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
 from celltrain.harmonics import real_harmonics, sphere_grid
 
 # Patches, each finer than the last one by this factor; nodes of one from its middle to its edge.
 LEVELS = 9
 FINER = 0.4
 REACH = 2
+# Points of the grid whose distances from the nearest other surface are found for each cell.
+STARTS = 64
 
 Shapes = Float[np.ndarray, "cell 3 coefficient"]
 Directions = Float[np.ndarray, "cell 3"]
@@ -27,21 +34,34 @@ Directions = Float[np.ndarray, "cell 3"]
 
 @dataclass(frozen=True)
 class _Grid:
-    """Points of the unit sphere, their harmonics, and their spacing as an angle."""
+    """Points of the unit sphere, their harmonics, their spacing as an angle; nearest points."""
 
+    angles: Float[np.ndarray, "point 2"]
     directions: Float[np.ndarray, "point 3"]
     values: Float[np.ndarray, "point coefficient"]
     spacing: float
+    method: NearestPoint
 
 
 @lru_cache(maxsize=4)
 def _grid(degree: int) -> _Grid:
     order = 2 * degree
     grid = sphere_grid(degree, order)
-    theta, phi = grid.points()
+    angles = np.stack(grid.points(), axis=-1)
+    return _Grid(
+        angles=angles,
+        directions=_direction(*angles.T),
+        values=np.asarray(grid.values),
+        spacing=np.pi / order,
+        method=nearest_point(degree),
+    )
+
+
+def _direction(
+    theta: float | Float[np.ndarray, " point"], phi: float | Float[np.ndarray, " point"]
+) -> Float[np.ndarray, "*point 3"]:
     sine = np.sin(theta)
-    directions = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)], axis=-1)
-    return _Grid(directions, np.asarray(grid.values), np.pi / order)
+    return np.stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)], axis=-1)
 
 
 def wall_distance(shapes: Shapes, radius: float) -> Float[np.ndarray, " cell"]:
@@ -72,7 +92,17 @@ def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
     moved = shapes[near.partner]
     # Y_00 = 1/sqrt(4 pi).
     moved[:, 2, 0] += np.sqrt(4.0 * np.pi) * near.shift
-    ours, theirs = grid.directions[near.point], grid.directions[near.partner_point]
+    ours, theirs = np.zeros((2, len(shapes), 3))
+    for cell, (these, those) in enumerate(zip(near.points, near.partner_points, strict=True)):
+        found = _from_surface(
+            grid.method,
+            jnp.asarray(points[cell, these]),
+            jnp.asarray(moved[cell]),
+            jnp.asarray(grid.angles[those]),
+        )
+        best = int(np.argmin(np.abs(found.distance)))
+        ours[cell] = grid.directions[these[best]]
+        theirs[cell] = _direction(float(found.theta[best]), float(found.phi[best]))
     smallest = np.zeros(len(shapes))
     for level in range(LEVELS):
         size = grid.spacing * FINER ** (level + 1)
@@ -87,14 +117,25 @@ def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
     return smallest
 
 
+@eqx.filter_jit
+def _from_surface(
+    method: NearestPoint,
+    points: Float[Array, "start 3"],
+    shape: Float[Array, "3 coefficient"],
+    guesses: Float[Array, "start 2"],
+) -> NearestPoints:
+    shapes = jnp.broadcast_to(shape, (points.shape[0], *shape.shape))
+    return method(points, shapes, guesses)
+
+
 @dataclass(frozen=True)
 class _Nearest:
-    """For each cell the nearest other one, its axial shift, and the closest points of both."""
+    """For each cell the nearest other one, its axial shift, and close pairs of points of both."""
 
     partner: Int[np.ndarray, " cell"]
     shift: Float[np.ndarray, " cell"]
-    point: Int[np.ndarray, " cell"]
-    partner_point: Int[np.ndarray, " cell"]
+    points: Int[np.ndarray, "cell start"]
+    partner_points: Int[np.ndarray, "cell start"]
 
 
 def _nearest_points(points: Float[np.ndarray, "cell point 3"], length: float) -> _Nearest:
@@ -115,7 +156,8 @@ def _nearest_points(points: Float[np.ndarray, "cell point 3"], length: float) ->
 
     trees = [cKDTree(each) for each in points]
     smallest = np.full(cells, np.inf)
-    partner, point, partner_point = (np.zeros(cells, dtype=int) for _ in range(3))
+    partner = np.zeros(cells, dtype=int)
+    close, partner_close = (np.zeros((cells, STARTS), dtype=int) for _ in range(2))
     shift = np.zeros(cells)
     for place in np.argsort(bound, axis=None, kind="stable"):
         if bound.flat[place] >= smallest.max():
@@ -125,15 +167,15 @@ def _nearest_points(points: Float[np.ndarray, "cell point 3"], length: float) ->
         if bound[pair, image] >= max(smallest[p], smallest[q]):
             continue
         distance, index = trees[q].query(points[p] - [0.0, 0.0, move])
-        closest = int(np.argmin(distance))
-        found, other = distance[closest], int(index[closest])
+        closest = np.argsort(distance)[:STARTS]
+        found, other = distance[closest[0]], index[closest]
         if found < smallest[p]:
             smallest[p], partner[p], shift[p] = found, q, move
-            point[p], partner_point[p] = closest, other
+            close[p], partner_close[p] = closest, other
         if found < smallest[q]:
             smallest[q], partner[q], shift[q] = found, p, -move
-            point[q], partner_point[q] = other, closest
-    return _Nearest(partner, shift, point, partner_point)
+            close[q], partner_close[q] = other, closest
+    return _Nearest(partner, shift, close, partner_close)
 
 
 def _patch(middle: Directions, spacing: float) -> Float[np.ndarray, "cell node 3"]:

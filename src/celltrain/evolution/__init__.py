@@ -14,6 +14,7 @@ from celltrain.evolution.evolve import evolve, resume
 from celltrain.evolution.integrator import Integrator, StepFailed
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import Status
+from celltrain.evolution.repulsion import Repulsion
 from celltrain.evolution.run import Run
 from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
 
@@ -27,6 +28,7 @@ __all__ = [
     "LinearPrediction",
     "Mode",
     "RandomDisplacement",
+    "Repulsion",
     "Run",
     "RungeKuttaChebyshev",
     "Status",

@@ -18,6 +18,7 @@ from celltrain.evolution.ending import Ending
 from celltrain.evolution.euler import ForwardEuler
 from celltrain.evolution.integrator import Integrator
 from celltrain.evolution.quantities import RUN_QUANTITIES, STEP_QUANTITIES
+from celltrain.evolution.repulsion import Repulsion
 from celltrain.evolution.run import Run
 from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
 from celltrain.evolution.state import State
@@ -64,6 +65,7 @@ def _header(run: Run) -> dict[str, Any]:
         "integrator": json.dumps(
             {"name": type(run.integrator).__name__, **run.integrator.settings()}
         ),
+        "repulsion": json.dumps(run.repulsion.settings()),
         "growth_rate": run.growth_rate,
         "every": run.every,
         "until": run.until,
@@ -110,6 +112,7 @@ def load_run(path: Path) -> Run:
         disturbance=data.attrs["disturbance"],
         growth_rate=float(data.attrs["growth_rate"]),
         integrator=INTEGRATORS[settings.pop("name")](**settings),
+        repulsion=Repulsion(**json.loads(data.attrs["repulsion"])),
         every=float(data.attrs["every"]),
         until=float(data.attrs["until"]),
         history={name: data[f"step_{name}"].values for name in STEP_QUANTITIES},

@@ -12,6 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from celltrain.evolution.films import FilmForces, Films, film_forces
+from celltrain.evolution.repulsion import Repulsion
 from celltrain.membrane import surface_geometry
 from celltrain.stability import paper_weights
 from celltrain.steady import Base
@@ -38,6 +40,9 @@ class Settled:
             solid angle, r0.
         energy: elastic energy of all membranes, mu U r0^2.
         area: area of all membranes, r0^2.
+        gap: thinnest film within the range of the repulsion, r0; infinite if there is none.
+        film_energy, film_force: energy of the repulsion, mu U r0^2, and the largest force of films
+            on a cell, mu U r0.
     """
 
     shapes: Shapes
@@ -47,6 +52,9 @@ class Settled:
     eps_x: float
     energy: float
     area: float
+    gap: float
+    film_energy: float
+    film_force: float
 
 
 class _Measured(eqx.Module):
@@ -60,7 +68,7 @@ class Dynamics(eqx.Module):
 
     `base` are the shapes of the steady train, at rest in this frame; `weights` those of the paper's
     norm. Displacements and distances are in r0, rates in U. `wall_gap` is the smallest distance of
-    a cell from the wall for which the wall is resolved.
+    a cell from the wall for which the wall is resolved, `film_forces` the repulsion in thin films.
     """
 
     operator: TrainOperator
@@ -69,11 +77,25 @@ class Dynamics(eqx.Module):
     cell_velocity: Float[Array, ""]
     length: Float[Array, ""]
     volume: Float[Array, ""]
+    film_forces: FilmForces = eqx.field(static=True)
     wall_gap: float = eqx.field(static=True)
 
     def rates(self, shapes: Shapes) -> Shapes:
-        """ds/dt in the frame of the steady train, in U; not numbers for shapes that are none."""
-        return np.asarray(_rates(self, jnp.asarray(shapes)))
+        """ds/dt in the frame of the steady train, in U.
+
+        Not numbers for shapes that are none, nor where the repulsion finds membranes crossing.
+        """
+        if not np.isfinite(shapes).all():
+            return np.full_like(shapes, np.nan)
+        films = self.film_forces(shapes)
+        if films.gap <= 0.0:
+            return films.forces
+        return self.forced_rates(shapes, films.forces)
+
+    def forced_rates(self, shapes: Shapes, forces: Shapes) -> Shapes:
+        """The rates with given forces per solid angle (mu U r0) beside those of the membranes."""
+        arguments = (jnp.asarray(each) for each in (shapes, forces))
+        return np.asarray(_rates(self.operator, self.cell_velocity, *arguments))
 
     def tube_rates(self, rates: Shapes) -> Shapes:
         """The same rates relative to the tube."""
@@ -94,9 +116,24 @@ class Dynamics(eqx.Module):
         the train can meet, so a cell whose mean point has left the window of that length is put
         back by whole lengths.
         """
-        found = _settle(self, jnp.asarray(shapes))
-        correction, *rest = (float(number) for number in np.asarray(found.numbers))
-        return Settled(np.asarray(found.shapes), np.asarray(found.laps), correction, *rest)
+        fixed = (self.operator, self.base, self.weights, self.length, self.volume)
+        found = _settle(*fixed, jnp.asarray(shapes))
+        settled = np.asarray(found.shapes)
+        finite = bool(np.isfinite(settled).all())
+        films = self.film_forces(settled) if finite else Films(np.nan, np.nan, np.nan, settled)
+        correction, eps, eps_x, energy, area = (float(each) for each in np.asarray(found.numbers))
+        return Settled(
+            shapes=settled,
+            laps=np.asarray(found.laps),
+            volume_correction=correction,
+            eps=eps,
+            eps_x=eps_x,
+            energy=energy,
+            area=area,
+            gap=films.gap,
+            film_energy=films.energy,
+            film_force=films.force,
+        )
 
     def displacement(self, change: Shapes) -> float:
         """Largest displacement of a membrane's point by a change of the shapes, in r0."""
@@ -113,7 +150,7 @@ class Dynamics(eqx.Module):
         return self.displacement(shapes - np.asarray(self.base))
 
 
-def train_dynamics(base: Base, *, wall_gap: float) -> Dynamics:
+def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dynamics:
     """The dynamics of the N cells of a train about a steady state."""
     train = base.train
     operator = train_operator(train, cells=train.cells, rings=False, gap=wall_gap)
@@ -124,24 +161,31 @@ def train_dynamics(base: Base, *, wall_gap: float) -> Dynamics:
         cell_velocity=jnp.asarray(base.cell_velocity),
         length=jnp.asarray(train.length),
         volume=operator.membrane.volume(jnp.asarray(base.coefficients)),
+        film_forces=film_forces(train, repulsion),
         wall_gap=wall_gap,
     )
 
 
 @eqx.filter_jit
-def _rates(dynamics: Dynamics, shapes: Array) -> Array:
-    rates = dynamics.operator.rates(shapes)
-    return rates.at[:, 2, 0].add(-UNIT_DISPLACEMENT * dynamics.cell_velocity)
+def _rates(operator: TrainOperator, velocity: Array, shapes: Array, forces: Array) -> Array:
+    return operator.rates(shapes, forces).at[:, 2, 0].add(-UNIT_DISPLACEMENT * velocity)
 
 
 @eqx.filter_jit
-def _settle(dynamics: Dynamics, shapes: Array) -> _Measured:
-    membrane, base = dynamics.operator.membrane, dynamics.base
+def _settle(
+    operator: TrainOperator,
+    base: Float[Array, "cell 3 coefficient"],
+    weights: Float[Array, " coefficient"],
+    length: Float[Array, ""],
+    volume: Float[Array, ""],
+    shapes: Float[Array, "cell 3 coefficient"],
+) -> _Measured:
+    membrane = operator.membrane
 
     def corrected(shape: Array) -> Array:
         for _ in range(VOLUME_ITERATIONS):
             gradient = membrane.volume_gradient(shape)
-            missing = dynamics.volume - membrane.volume(shape)
+            missing = volume - membrane.volume(shape)
             shape = shape + missing / jnp.sum(gradient**2) * gradient
         return shape
 
@@ -150,20 +194,20 @@ def _settle(dynamics: Dynamics, shapes: Array) -> _Measured:
         return jnp.sum(element * membrane.inverse_sine * membrane.weights)
 
     settled = jax.vmap(corrected)(shapes)
-    correction = (settled - shapes) @ dynamics.operator.target_grid.values.T
+    correction = (settled - shapes) @ operator.target_grid.values.T
     displaced = settled - base
     # The window starts half a cell's period before the first cell of the steady train.
-    start = base[0, 2, 0] / UNIT_DISPLACEMENT - 0.5 * dynamics.length / base.shape[0]
+    start = base[0, 2, 0] / UNIT_DISPLACEMENT - 0.5 * length / base.shape[0]
     places = settled[:, 2, 0] / UNIT_DISPLACEMENT - start
-    laps = jnp.floor(places / dynamics.length)
+    laps = jnp.floor(places / length)
     numbers = jnp.stack(
         [
             jnp.sqrt(jnp.max(jnp.sum(correction**2, axis=1))),
-            jnp.sqrt(jnp.sum(dynamics.weights * displaced**2)),
+            jnp.sqrt(jnp.sum(weights * displaced**2)),
             jnp.sqrt(jnp.sum(displaced**2)) / UNIT_DISPLACEMENT,
             jnp.sum(jax.vmap(membrane.energy)(settled)),
             jnp.sum(jax.vmap(area)(settled)),
         ]
     )
-    wrapped = settled.at[:, 2, 0].add(-UNIT_DISPLACEMENT * dynamics.length * laps)
+    wrapped = settled.at[:, 2, 0].add(-UNIT_DISPLACEMENT * length * laps)
     return _Measured(wrapped, laps.astype(int), numbers)

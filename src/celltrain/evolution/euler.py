@@ -26,6 +26,8 @@ class ForwardEuler(Integrator):
         """One step; no error is estimated, so `error` and `radius` are not numbers."""
         moved = state.shapes + self.step * state.rates
         settled = dynamics.settle(dynamics.continuous(moved, state.laps))
+        if settled.gap <= 0.0:
+            raise StepFailed("overlap", f"after a step of {self.step:g} r0/U membranes cross")
         rates = dynamics.rates(settled.shapes)
         if not np.isfinite(rates).all():
             raise StepFailed("not_finite", f"a step of {self.step:g} r0/U gave no finite velocity")
@@ -38,6 +40,7 @@ class ForwardEuler(Integrator):
             rates=rates,
             step=self.step,
             last_step=self.step,
+            gap=settled.gap,
             steps=state.steps + 1,
             evaluations=state.evaluations + 1,
         )

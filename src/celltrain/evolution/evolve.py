@@ -7,13 +7,14 @@ import numpy as np
 
 from celltrain.evolution.archive import Archive, load_run
 from celltrain.evolution.disturbances import Disturbance
-from celltrain.evolution.dynamics import train_dynamics
+from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.ending import Ending
 from celltrain.evolution.integrator import Integrator, check_positive
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import March, Progress
 from celltrain.evolution.overlap import overlap
 from celltrain.evolution.quantities import STEP_QUANTITIES
+from celltrain.evolution.repulsion import Repulsion
 from celltrain.evolution.run import Run
 from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
 from celltrain.evolution.wall_resolution import LARGEST, followed
@@ -33,6 +34,7 @@ def evolve(
     *,
     until: float,
     integrator: Integrator | None = None,
+    repulsion: Repulsion | None = None,
     every: float = EVERY,
     path: str | Path | None = None,
     overwrite: bool = False,
@@ -51,6 +53,8 @@ def evolve(
     - `until`, `every`: last time, and time between frames, in r0/U. Frames lie within steps and do
       not change them.
     - `integrator`: `RungeKuttaChebyshev()` unless given.
+    - `repulsion`: what keeps membranes apart in thin films, `Repulsion()` unless given;
+      `Repulsion(range=0)` for none.
     - `path`: netCDF-4 file that holds the simulation at every moment; see `resume`.
     - `overwrite`: whether a file of that name may be replaced.
     - `save_seconds`: wall time between saves, lengthened where a save takes more than 5 % of it; 0
@@ -61,8 +65,9 @@ def evolve(
     **Returns:** a `Run` with all that there is, whatever ended it (`Run.ending`): the time reached,
     an interruption (Ctrl-C), an overlap, a file that can no longer be written, ...
 
-    **Raises:** `CaseError` for a setting that is not allowed, cells that overlap from the
-    beginning, or a file that exists; `StepFailed` if the disturbed train has no velocity or is too
+    **Raises:** `CaseError` for a setting that is not allowed, a steady train with gaps within the
+    range of the repulsion, cells that overlap from the beginning, or a file that exists;
+    `StepFailed` if the disturbed train has no velocity or is too
     close to the wall.
     """
     check_positive("until", until)
@@ -75,8 +80,10 @@ def evolve(
         )
     base = start.base if isinstance(start, Stability) else start
     change = disturbance.shapes(start)
-    dynamics = train_dynamics(base, wall_gap=LARGEST)
+    film = Repulsion() if repulsion is None else repulsion
+    dynamics = train_dynamics(base, film, wall_gap=LARGEST)
     train = base.train
+    _check_steady(dynamics, film)
     method = RungeKuttaChebyshev() if integrator is None else integrator
     shapes = place_cells(base.coefficients, train, train.cells) + change
     settled = dynamics.settle(shapes)
@@ -85,7 +92,7 @@ def evolve(
         raise CaseError(f"{disturbance!r} is not allowed: {met}; a smaller amplitude may be")
     wall_gap = followed(LARGEST, dynamics.wall_distance(settled.shapes))
     if wall_gap != dynamics.wall_gap:
-        dynamics = train_dynamics(base, wall_gap=wall_gap)
+        dynamics = train_dynamics(base, film, wall_gap=wall_gap)
     state, record = method.begin(dynamics, shapes)
     first = dynamics.continuous(state.shapes, state.laps) - np.asarray(dynamics.base)
     run = Run(
@@ -93,6 +100,7 @@ def evolve(
         disturbance=repr(disturbance),
         growth_rate=disturbance.growth_rate(start),
         integrator=method,
+        repulsion=film,
         every=float(every),
         until=float(until),
         history={name: np.zeros(0) for name in STEP_QUANTITIES},
@@ -143,13 +151,23 @@ def resume(
         run = replace(run, until=float(until))
     march = March(
         run,
-        train_dynamics(run.base, wall_gap=run.state.wall_gap),
+        train_dynamics(run.base, run.repulsion, wall_gap=run.state.wall_gap),
         _prediction(run.start, run.disturbances[0]),
         archive=_archive(path),
         save_seconds=save_seconds,
         progress=progress,
     )
     return march.go(most_steps)
+
+
+def _check_steady(dynamics: Dynamics, repulsion: Repulsion) -> None:
+    """See to it that the repulsion leaves the steady train as it is."""
+    gap = dynamics.film_forces(np.asarray(dynamics.base)).gap
+    if gap < np.inf:
+        raise CaseError(
+            f"repulsion range = {repulsion.range:g} is not allowed: the steady train, which knows"
+            f" no repulsion, has a gap of {gap:.4g} r0; allowed: less than that, 0 for none"
+        )
 
 
 def _archive(path: Path | None) -> Archive | None:

@@ -50,6 +50,7 @@ class Integrator(abc.ABC):
             steps=0,
             rejected=0,
             evaluations=1,
+            gap=settled.gap,
             wall_gap=dynamics.wall_gap,
         )
         return state, record(state, settled, stages=0, error=0.0, radius=float("nan"))
@@ -84,6 +85,9 @@ def record(state: State, settled: Settled, *, stages: int, error: float, radius:
         energy=settled.energy,
         area=settled.area,
         volume_correction=settled.volume_correction,
+        gap=settled.gap,
+        film_energy=settled.film_energy,
+        film_force=settled.film_force,
         size=state.last_step,
         stages=stages,
         error=error,

@@ -139,7 +139,7 @@ class March:
         distance = self._dynamics.wall_distance(state.shapes)
         wall_gap = followed(state.wall_gap, distance)
         if wall_gap != self._dynamics.wall_gap:
-            self._dynamics = train_dynamics(self._run.base, wall_gap=wall_gap)
+            self._dynamics = train_dynamics(self._run.base, self._run.repulsion, wall_gap=wall_gap)
         return replace(state, wall_gap=wall_gap)
 
     def _last_time(self) -> float:

@@ -26,6 +26,17 @@ STEP_QUANTITIES: dict[str, tuple[str, str, str]] = {
         "r0",
         "largest displacement by the correction of the cells' volumes after each step",
     ),
+    "gap": (
+        "d",
+        "r0",
+        "thinnest film within the range of the repulsion, infinite if there is none",
+    ),
+    "film_energy": ("W_r", "mu U r0^2", "energy of the repulsion in all films"),
+    "film_force": (
+        "",
+        "mu U r0",
+        "largest force of films on a cell, the sum of its parts without regard to directions",
+    ),
     "size": ("h", "r0/U", "size of each step"),
     "stages": ("s", "1", "evaluations of the velocity in each step"),
     "error": ("", "r0", "estimated error of each step, the largest displacement of a membrane"),
@@ -88,6 +99,7 @@ def _quantities() -> dict[str, Attributes]:
         "steps": ((), "1", "steps so far"),
         "rejected": ((), "1", "steps rejected so far"),
         "evaluations": ((), "1", "evaluations of the velocity so far"),
+        "gap": ((), "r0", "thinnest film within the range of the repulsion"),
         "wall_gap": ((), "r0", "smallest distance of cells for which the wall is resolved"),
     }
     found |= {

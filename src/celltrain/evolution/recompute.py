@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 from celltrain.evolution.dynamics import train_dynamics
 from celltrain.evolution.run import Run
 from celltrain.evolution.wall_resolution import LARGEST, SMALLEST, followed
-from celltrain.train import TrainOperator, train_operator
+from celltrain.train import TrainOperator
 
 #: Called with the number of frames done and that of all.
 FrameProgress = Callable[[int, int], None]
@@ -23,7 +23,7 @@ def frame_rates(
 
     Each takes as long as an evaluation of the velocity.
     """
-    dynamics = train_dynamics(run.base, wall_gap=LARGEST)
+    dynamics = train_dynamics(run.base, run.repulsion, wall_gap=LARGEST)
     rates = np.zeros_like(run.shapes)
     for number, shapes in enumerate(run.shapes):
         settled = dynamics.settle(shapes)
@@ -31,7 +31,7 @@ def frame_rates(
         distance = max(dynamics.wall_distance(settled.shapes), SMALLEST)
         wall_gap = followed(dynamics.wall_gap, distance)
         if wall_gap != dynamics.wall_gap:
-            dynamics = train_dynamics(run.base, wall_gap=wall_gap)
+            dynamics = train_dynamics(run.base, run.repulsion, wall_gap=wall_gap)
         rates[number] = dynamics.tube_rates(dynamics.rates(settled.shapes))
         if progress is not None:
             progress(number + 1, len(run.shapes))
@@ -45,17 +45,21 @@ def pressure_drops(
 
     At a viscosity ratio other than 1 it takes the rates of the frames, too (`frame_rates`).
     """
-    train = run.train
-    operator = train_operator(train, cells=train.cells, rings=False)
-    matched = operator.viscosity_ratio is None
+    dynamics = train_dynamics(run.base, run.repulsion, wall_gap=LARGEST)
+    matched = dynamics.operator.viscosity_ratio is None
     rates = run.shapes if matched else frame_rates(run, progress=progress)
-    found = [
-        float(_pressure_drop(operator, jnp.asarray(shapes), jnp.asarray(motions)))
-        for shapes, motions in zip(run.shapes, rates, strict=True)
-    ]
+    found = []
+    for shapes, motions in zip(run.shapes, rates, strict=True):
+        settled = dynamics.settle(shapes).shapes
+        films = dynamics.film_forces(settled).forces
+        arguments = (jnp.asarray(each) for each in (settled, films, motions))
+        found.append(float(_pressure_drop(dynamics.operator, *arguments)))
     return np.array(found)
 
 
 @eqx.filter_jit
-def _pressure_drop(operator: TrainOperator, shapes: Array, motions: Array) -> Array:
-    return operator.effective_viscosity(shapes, operator.forces(shapes), motions)
+def _pressure_drop(
+    operator: TrainOperator, shapes: Array, film_forces: Array, motions: Array
+) -> Array:
+    forces = operator.forces(shapes) + film_forces
+    return operator.effective_viscosity(shapes, forces, motions)

@@ -4,6 +4,7 @@ import math
 from types import TracebackType
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Table
@@ -83,6 +84,7 @@ def run_summary(run: Run) -> dict[str, Any]:
         "case": {**train.sections(), "scales": train.scales.model_dump()},
         "disturbance": run.disturbance,
         "integrator": {"name": type(run.integrator).__name__, **run.integrator.settings()},
+        "repulsion": {**run.repulsion.settings(), **repulsion_record(run)},
         "ending": run.ending.kind,
         "message": run.ending.message,
         "time": run.state.time,
@@ -100,9 +102,29 @@ def run_summary(run: Run) -> dict[str, Any]:
     return {name: _finite(value) for name, value in content.items()}
 
 
+def repulsion_record(run: Run) -> dict[str, float]:
+    """How much the repulsion acted, as far as the ends of steps tell.
+
+    When it began ("since", r0/U, nan if it did not) and for how long ("duration", r0/U), the
+    thinnest film ("smallest_gap", r0, infinite if there was none), the largest force of films on a
+    cell (mu U r0) and the largest energy of all films over that of the membranes.
+    """
+    history = run.history
+    acts = np.isfinite(history["gap"])
+    return {
+        "since": float(history["time"][np.argmax(acts)]) if acts.any() else math.nan,
+        "duration": float(history["size"][acts].sum()),
+        "smallest_gap": float(history["gap"].min()),
+        "largest_force": float(history["film_force"].max()),
+        "largest_energy_share": float((history["film_energy"] / history["energy"]).max()),
+    }
+
+
 def _finite(value: Any) -> Any:
     if isinstance(value, list):
         return [_finite(each) for each in value]
+    if isinstance(value, dict):
+        return {name: _finite(each) for name, each in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -125,10 +147,25 @@ def print_run(run: Run, console: Console) -> None:
     table.add_row("least distance between cells", f"{frames['cell_distance'].min():.4f}", "r0")
     table.add_row("least distance from the wall", f"{frames['wall_distance'].min():.4f}", "r0")
     table.add_row("largest correction of the volume", f"{correction:.1e}", "r0")
+    for name, value, unit in _repulsion_rows(run):
+        table.add_row(name, value, unit)
     table.add_row("speed", f"{speed:.3g}", "r0/U per hour")
     table.caption = f"{run.disturbance}; {run.ending.message}"
     table.caption_justify = "left"
     console.print(table)
+
+
+def _repulsion_rows(run: Run) -> list[tuple[str, str, str]]:
+    if run.repulsion.range == 0.0:
+        return [("repulsion of membranes", "none", "")]
+    record = repulsion_record(run)
+    if math.isnan(record["since"]):
+        return [("repulsion of membranes", f"never within {run.repulsion.range:g}", "r0")]
+    return [
+        ("repulsion of membranes, acting for", f"{record['duration']:.4g}", "r0/U"),
+        ("thinnest film", f"{record['smallest_gap']:.4f}", "r0"),
+        ("largest force of films on a cell", f"{record['largest_force']:.3g}", "mu U r0"),
+    ]
 
 
 def _pair(values: Any) -> str:

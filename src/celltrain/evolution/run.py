@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from celltrain.evolution.ending import Ending
 from celltrain.evolution.integrator import Integrator
+from celltrain.evolution.repulsion import Repulsion
 from celltrain.evolution.state import State
 from celltrain.parameters import Train
 from celltrain.stability import Stability
@@ -24,6 +25,7 @@ class Run:
         disturbance: what was done to it, in words.
         growth_rate: that of the disturbance by the linear theory, U/r0; nan if not known.
         integrator: how it is marched.
+        repulsion: what keeps membranes apart in thin films.
         every, until: time between frames, and last time asked for, r0/U.
         history: a column for each of `STEP_QUANTITIES`, one entry for each step, the first for the
             beginning.
@@ -39,6 +41,7 @@ class Run:
     disturbance: str
     growth_rate: float
     integrator: Integrator
+    repulsion: Repulsion
     every: float
     until: float
     history: dict[str, np.ndarray]

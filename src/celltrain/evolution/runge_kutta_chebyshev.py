@@ -22,6 +22,8 @@ RADIUS_MARGIN = 1.2
 # Distance from the steady train (r0) below and above which errors are measured by these.
 SMALLEST_SCALE = 1e-6
 LARGEST_SCALE = 1.0
+# Largest error of a step over the thinnest film within the range of the repulsion.
+GAP_SHARE = 0.1
 # The next step: this part of what the error allows, between these factors of the last one.
 SAFETY = 0.8
 LEAST_FACTOR = 0.1
@@ -41,7 +43,8 @@ class RungeKuttaChebyshev(Integrator):
     Attributes:
         tolerance: bound on the estimated error of a step, as the largest displacement of a point of
             a membrane relative to the largest distance of the membranes from the steady train, that
-            taken as 1 r0 at most. So small disturbances are as accurate as large ones.
+            taken as 1 r0 at most. So small disturbances are as accurate as large ones. Where the
+            repulsion acts it is no more than a tenth of the thinnest film.
         largest_step: r0/U.
         most_stages: the step is shortened to need no more.
     """
@@ -61,6 +64,7 @@ class RungeKuttaChebyshev(Integrator):
         begin = dynamics.continuous(state.shapes, state.laps)
         distance = dynamics.departure(begin)
         allowed = self.tolerance * min(max(distance, SMALLEST_SCALE), LARGEST_SCALE)
+        allowed = min(allowed, GAP_SHARE * state.gap)
         while True:
             state = self._with_radius(dynamics, state)
             longest = largest_stable_step(self.most_stages, state.radius)
@@ -85,6 +89,7 @@ class RungeKuttaChebyshev(Integrator):
             step=min(step * _factor(state, step, relative), self.largest_step),
             last_step=step,
             last_error=max(relative, SMALLEST_ERROR),
+            gap=settled.gap,
             radius_age=state.radius_age + 1,
             steps=state.steps + 1,
         )

@@ -22,6 +22,7 @@ class State:
         radius_age: steps since it was estimated.
         direction: last direction of the power iteration.
         steps, rejected, evaluations: counts since the beginning.
+        gap: thinnest film within the range of the repulsion, r0; infinite if there is none.
         wall_gap: smallest distance of a cell from the wall for which the wall was resolved, r0.
     """
 
@@ -38,6 +39,7 @@ class State:
     steps: int
     rejected: int
     evaluations: int
+    gap: float
     wall_gap: float
 
 
@@ -46,7 +48,9 @@ class Record:
     """What is kept of a step: the state at its end, and how it was taken.
 
     Attributes:
-        time, eps, eps_x, energy, area, volume_correction: as in `Settled`, at the end of the step.
+        time: at the end of the step, r0/U.
+        eps, eps_x, energy, area, volume_correction, gap, film_energy, film_force: as in `Settled`,
+            there.
         size: of the step, r0/U; 0 for the beginning.
         stages: evaluations that the step itself took.
         error: estimated error of the step, the largest displacement of a membrane, r0.
@@ -60,6 +64,9 @@ class Record:
     energy: float
     area: float
     volume_correction: float
+    gap: float
+    film_energy: float
+    film_force: float
     size: float
     stages: int
     error: float

@@ -64,13 +64,18 @@ class TrainOperator(eqx.Module):
     solver_tolerance: float = eqx.field(static=True)
     meridian: bool = eqx.field(static=True)
 
-    def rates(self, shapes: Shapes) -> Shapes:
-        """v(s) = ds/dt, in U; not a number if the flow inside the cells could not be solved for."""
-        return self.solved_rates(shapes)[0]
+    def rates(self, shapes: Shapes, added: Shapes | None = None) -> Shapes:
+        """v(s) = ds/dt, in U; not a number if the flow inside the cells could not be solved for.
 
-    def solved_rates(self, shapes: Shapes) -> tuple[Shapes, Convergence | None]:
+        **Arguments:** `added`: forces per solid angle beside those of the membranes, in mu U r0.
+        """
+        return self.solved_rates(shapes, added)[0]
+
+    def solved_rates(
+        self, shapes: Shapes, added: Shapes | None = None
+    ) -> tuple[Shapes, Convergence | None]:
         """The rates, and how the equation for the flow inside the cells was solved, if there is."""
-        free_rates = self.free_rates(shapes)
+        free_rates = self.free_rates(shapes, added)
         if self.viscosity_ratio is None:
             return free_rates, None
         rates, convergence = self.interior_flow(shapes).solve(
@@ -83,9 +88,10 @@ class TrainOperator(eqx.Module):
         solved = convergence.residual <= 10.0 * self.solver_tolerance
         return jnp.where(solved, rates, jnp.nan), convergence
 
-    def free_rates(self, shapes: Shapes) -> Shapes:
+    def free_rates(self, shapes: Shapes, added: Shapes | None = None) -> Shapes:
         """The rates that the same membranes would have at a viscosity ratio of 1."""
-        velocity = self.surface_velocity(shapes, self.forces(shapes))
+        forces = self.forces(shapes)
+        velocity = self.surface_velocity(shapes, forces if added is None else forces + added)
         return self.conserve_volume(shapes, self.project(velocity))
 
     def interior_flow(self, shapes: Shapes) -> InteriorFlow:

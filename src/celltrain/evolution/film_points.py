@@ -1,0 +1,257 @@
+"""Where membranes are within a short distance of each other: points, and their nearest points.
+
+Two grids on the parameter sphere serve. The coarse one, on all cells, tells which parts of which
+cells can be within the distance at all; the fine one's points there are compared with each other,
+and of those that can be within the distance Newton's method finds the nearest point of the other
+surface. All is done on the host: such points are few, if there are any.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+from scipy.spatial import cKDTree
+
+from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
+from celltrain.harmonics import harmonic_tables, real_harmonics, sphere_grid
+
+Shapes = Float[np.ndarray, "cell 3 coefficient"]
+Points = Float[np.ndarray, "point 3"]
+
+# Rings of the grids, over the degree of the shapes.
+COARSE = 3
+FINE = 6
+# Largest length on a membrane, over that on the unit sphere, that the search allows for.
+STRETCH = 2.0
+# Half the largest curvature, 1/r0, that the choice of points for Newton's method allows for.
+BEND = 3.0
+# Points that Newton's method takes at once; with many more their coefficients leave the cache.
+BATCH = 64
+
+
+@dataclass(frozen=True)
+class FilmPoints:
+    """Points of cells, each with the nearest point of another cell or of a cell's image.
+
+    Attributes:
+        cell, other: the cell that a point lies on, and the other one.
+        node: number of the point in the fine grid.
+        distance: from the other cell, r0; negative inside it.
+        direction: unit vector from the nearest point to the point.
+        foot: harmonics at the nearest point.
+    """
+
+    cell: Int[np.ndarray, " point"]
+    other: Int[np.ndarray, " point"]
+    node: Int[np.ndarray, " point"]
+    distance: Float[np.ndarray, " point"]
+    direction: Float[np.ndarray, "point 3"]
+    foot: Float[np.ndarray, "point coefficient"]
+
+
+@dataclass(frozen=True)
+class WallPoints:
+    """Points of cells near the wall: cell, number in the fine grid, distance (r0), direction away.
+
+    The distance is negative beyond the wall.
+    """
+
+    cell: Int[np.ndarray, " point"]
+    node: Int[np.ndarray, " point"]
+    distance: Float[np.ndarray, " point"]
+    direction: Float[np.ndarray, "point 3"]
+
+
+@dataclass(frozen=True)
+class _Side:
+    """Candidates of one cell near another: grid points, places as seen by the other, guesses."""
+
+    cell: int
+    other: int
+    node: Int[np.ndarray, " point"]
+    points: Points
+    guess: Int[np.ndarray, " point"]
+
+
+@dataclass(frozen=True)
+class FilmGrid:
+    """The two grids, for shapes with the harmonics below one degree.
+
+    `coarse` and `fine` are the harmonics at their points, `slopes` those of the fine one in
+    colatitude and longitude, `angles` these two, and `parent` the nearest point of the coarse one.
+    """
+
+    degree: int
+    coarse: Float[np.ndarray, "node coefficient"]
+    fine: Float[np.ndarray, "point coefficient"]
+    slopes: Float[np.ndarray, "2 point coefficient"]
+    angles: Float[np.ndarray, "point 2"]
+    parent: Int[np.ndarray, " point"]
+    method: NearestPoint
+
+    def find(self, shapes: Shapes, *, within: float, period: float) -> FilmPoints:
+        """All points less than `within` (r0) from another cell; cells recur with the period."""
+        sides = self._sides(shapes, within, period)
+        empty = np.zeros(0, dtype=int)
+        cell = np.concatenate([empty, *(np.full_like(side.node, side.cell) for side in sides)])
+        other = np.concatenate([empty, *(np.full_like(side.node, side.other) for side in sides)])
+        node = np.concatenate([empty, *(side.node for side in sides)])
+        guess = np.concatenate([empty, *(side.guess for side in sides)])
+        points = np.concatenate([np.zeros((0, 3)), *(side.points for side in sides)])
+        theta, phi, distance = self._nearest(shapes, other, points, self.angles[guess])
+        kept = distance < within
+        foot = real_harmonics(self.degree, theta[kept], phi[kept])
+        away = points[kept] - np.einsum("pk,pik->pi", foot, shapes[other[kept]])
+        return FilmPoints(
+            cell=cell[kept],
+            other=other[kept],
+            node=node[kept],
+            distance=distance[kept],
+            direction=away / distance[kept, None],
+            foot=foot,
+        )
+
+    def near_wall(self, shapes: Shapes, *, within: float, radius: float) -> WallPoints:
+        """All points less than `within` (r0) from the wall of a tube of the given radius."""
+        across = shapes[:, :2] @ self.coarse.T
+        largest = np.sqrt(np.max(np.sum(across**2, axis=1), axis=1))
+        near = np.flatnonzero(radius - largest < within + _spacing(COARSE * self.degree))
+        points = shapes[near, :2] @ self.fine.T
+        axial = np.sqrt(np.sum(points**2, axis=1))
+        place, node = np.nonzero(radius - axial < within)
+        distance = radius - axial[place, node]
+        inward = np.zeros((len(node), 3))
+        inward[:, :2] = -points[place, :, node] / axial[place, node, None]
+        return WallPoints(near[place], node, distance, inward)
+
+    def _sides(self, shapes: Shapes, within: float, period: float) -> list[_Side]:
+        points = np.swapaxes(shapes @ self.coarse.T, 1, 2)
+        low, high = points.min(axis=1), points.max(axis=1)
+        reach = within + 2.0 * _spacing(COARSE * self.degree)
+        trees: dict[int, cKDTree] = {}
+        sides = []
+        for first in range(len(shapes)):
+            for second in range(first, len(shapes)):
+                for image in (1,) if first == second else (-1, 0, 1):
+                    shift = np.array([0.0, 0.0, image * period])
+                    below, above = low[second] + shift - reach, high[second] + shift + reach
+                    if (low[first] > above).any() or (high[first] < below).any():
+                        continue
+                    for cell in (first, second):
+                        if cell not in trees:
+                            trees[cell] = cKDTree(points[cell])
+                    near = (
+                        np.isfinite(_query(points[first] - shift, trees[second], reach)[0]),
+                        np.isfinite(_query(points[second] + shift, trees[first], reach)[0]),
+                    )
+                    if near[0].any():
+                        sides += self._candidates(shapes, (first, second), near, shift, within)
+        return sides
+
+    def _candidates(
+        self,
+        shapes: Shapes,
+        cells: tuple[int, int],
+        near: tuple[Bool[np.ndarray, " node"], Bool[np.ndarray, " node"]],
+        shift: Float[np.ndarray, "3"],
+        within: float,
+    ) -> list[_Side]:
+        """Points of the fine grid that can be within the distance, of both cells."""
+        first, second = cells
+        nodes = [np.flatnonzero(each[self.parent]) for each in near]
+        here = self.fine[nodes[0]] @ shapes[first].T - shift
+        there = self.fine[nodes[1]] @ shapes[second].T
+        bound = float(np.hypot(within, _spacing(FINE * self.degree)))
+        found = []
+        for side, points, others in ((0, here, there), (1, there, here)):
+            distance, index = _query(points, cKDTree(others), bound)
+            close = np.flatnonzero(np.isfinite(distance))
+            index = index[close]
+            guess = nodes[1 - side][index]
+            # The distance from the plane that touches the surface at the nearest point of the grid
+            # is right to half the curvature times the square of the distance along it.
+            down, around = self.slopes[:, guess] @ shapes[cells[1 - side]].T
+            normal = np.cross(down, around)
+            away = points[close] - others[index]
+            height = np.abs(np.sum(normal * away, axis=1)) / np.linalg.norm(normal, axis=1)
+            likely = height < within + BEND * (distance[close] ** 2 - height**2)
+            close, guess = close[likely], guess[likely]
+            found.append(
+                _Side(
+                    cell=cells[side],
+                    other=cells[1 - side],
+                    node=nodes[side][close],
+                    points=points[close] + (0.0 if side == 0 else shift),
+                    guess=guess,
+                )
+            )
+        return found
+
+    def _nearest(
+        self,
+        shapes: Shapes,
+        cells: Int[np.ndarray, " point"],
+        points: Points,
+        guesses: Float[np.ndarray, "point 2"],
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Colatitude, longitude and signed distance of the nearest points of the cells."""
+        found = np.zeros((3, len(points)))
+        all_shapes = jnp.asarray(shapes)
+        for start in range(0, len(points), BATCH):
+            # The last batch repeats its first point.
+            number = np.arange(start, start + BATCH)
+            number = np.where(number < len(points), number, start)
+            chosen = (jnp.asarray(each[number]) for each in (cells, points, guesses))
+            near = _batch(self.method, all_shapes, *chosen)
+            count = min(BATCH, len(points) - start)
+            for row, each in zip(found, (near.theta, near.phi, near.distance), strict=True):
+                row[start : start + count] = np.asarray(each)[:count]
+        return found[0], found[1], found[2]
+
+
+def _spacing(order: int) -> float:
+    """Largest distance of a membrane's point from the nearest one of a grid, in r0."""
+    return float(STRETCH * np.sqrt(0.5) * np.pi / order)
+
+
+def _query(
+    points: Points, tree: cKDTree, reach: float
+) -> tuple[Float[np.ndarray, " point"], Int[np.ndarray, " point"]]:
+    """Distance to the nearest point of the tree, infinite beyond the reach, and its number."""
+    distance, index = tree.query(points, distance_upper_bound=reach)
+    return np.asarray(distance), np.asarray(index)
+
+
+@lru_cache(maxsize=4)
+def film_grid(degree: int) -> FilmGrid:
+    """Grids for the harmonics below `degree`."""
+    coarse, fine = sphere_grid(degree, COARSE * degree), sphere_grid(degree, FINE * degree)
+    angles = np.stack(fine.points(), axis=-1)
+    tables = harmonic_tables(degree, *fine.points())
+    parent = cKDTree(_directions(*coarse.points())).query(_directions(*fine.points()))[1]
+    return FilmGrid(
+        degree=degree,
+        coarse=np.asarray(coarse.values),
+        fine=np.asarray(fine.values),
+        slopes=np.stack([tables.d_theta, tables.d_phi]),
+        angles=angles,
+        parent=np.asarray(parent),
+        method=nearest_point(degree),
+    )
+
+
+def _directions(
+    theta: Float[np.ndarray, " point"], phi: Float[np.ndarray, " point"]
+) -> Float[np.ndarray, "point 3"]:
+    sine = np.sin(theta)
+    return np.stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)], axis=-1)
+
+
+@eqx.filter_jit
+def _batch(
+    method: NearestPoint, shapes: Array, cells: Array, points: Array, guesses: Array
+) -> NearestPoints:
+    return method(points, shapes[cells], guesses)
