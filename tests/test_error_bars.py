@@ -13,7 +13,7 @@ from celltrain.cli import main
 from celltrain.results.report import verdict
 from celltrain.stability import ErrorBar, block_spectrum, error_bars, with_error_bars
 from celltrain.stability.error_bars import _paired
-from celltrain.stability.spectrum import NeutralSpace
+from celltrain.stability.neutral import NeutralSpace
 from celltrain.train.accuracy import refined
 
 

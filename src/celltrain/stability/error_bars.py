@@ -21,8 +21,8 @@ from jaxtyping import Complex, Float
 from scipy.optimize import linear_sum_assignment
 
 from celltrain.parameters import CaseError, Train
-from celltrain.stability.analysis import neutral_space
 from celltrain.stability.linearise import linear_blocks
+from celltrain.stability.neutral import neutral_space
 from celltrain.stability.result import ErrorBar, Mode, Stability
 from celltrain.stability.spectrum import BlockSpectrum, block_spectrum
 from celltrain.steady import Base, NotConverged, change_degree, steady

@@ -20,10 +20,10 @@ import numpy as np
 from jaxtyping import Complex
 
 from celltrain.parameters import CaseError
-from celltrain.stability.analysis import neutral_space
 from celltrain.stability.linearise import Blocks
+from celltrain.stability.neutral import NeutralSpace, neutral_space
 from celltrain.stability.result import Stability
-from celltrain.stability.spectrum import NeutralSpace, block_spectrum
+from celltrain.stability.spectrum import block_spectrum
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,8 @@ import scipy.optimize
 from jaxtyping import Complex, Float
 
 from celltrain.parameters import CaseError
-from celltrain.stability.analysis import neutral_space
 from celltrain.stability.coordinates import normed_block
+from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import Norm, PaperNorm
 from celltrain.stability.result import Stability
 
