@@ -18,9 +18,9 @@ def summary(result: Base | Stability) -> dict[str, Any]:
     `largest_radius`, `effective_viscosity`, `residual`, `truncation_error`,
     `velocity_error`, `origin`, `seconds`. Of a :class:`Stability` also `spectral_abscissa`,
     `numerical_abscissa`, `numerical_abscissas`, `error_estimate` and `leading_modes`, sorted by
-    growth rate, `neutral_defects` (what the discrete dynamics makes of neutral modes before they are
-    deflated), and if they were asked for `error_bars` and with them `growth_sign` (1, -1, or 0
-    where the bars do not tell). Numbers that are not finite become None.
+    growth rate, `neutral_defects` (what the dynamics makes of neutral modes before deflation), and
+    if they were asked for `error_bars` and with them `growth_sign` (1, -1, or 0 where the bars do
+    not tell). Numbers that are not finite become None.
     """
     base = result.base if isinstance(result, Stability) else result
     content: dict[str, Any] = {
