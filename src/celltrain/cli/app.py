@@ -21,6 +21,7 @@ from celltrain.cli.evolve import evolve
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.paper import paper
 from celltrain.cli.plot import plot as plot_
+from celltrain.cli.search import search
 from celltrain.cli.sensitivity import sensitivity
 from celltrain.cli.stability import stability
 from celltrain.cli.sweep import sweep
@@ -70,6 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 app.command(branch)
 app.command(evolve)
 app.command(plot_, name="plot")
+app.command(search)
 app.command(sensitivity)
 app.command(paper)
 app.command(stability)
