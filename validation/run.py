@@ -4,7 +4,7 @@
     python validation/run.py breakup --simulate NAME
 
 Every study writes a page and a figure into docs/validation and states what is expected. Without
-names all of them run, which takes about half an hour on two cores, but for those that take hours:
+names all of them run, which takes about an hour on two cores, but for those that take hours:
 `breakup` runs when it is named.
 """
 
@@ -19,10 +19,12 @@ import celltrain  # noqa: F401
 
 # isort: split
 import accuracy
+import boundary
 import breakup
 import convergence
 import haematocrit
 import mechanisms
+import norms
 import packing
 import reference
 import sphere
@@ -51,6 +53,8 @@ def main() -> None:
         "accuracy": lambda _: accuracy.study(),
         "haematocrit": lambda _: haematocrit.study(),
         "mechanisms": lambda _: mechanisms.study(),
+        "norms": lambda _: norms.study(),
+        "boundary": lambda _: boundary.study(),
         "breakup": lambda options: breakup.study(
             options.runs, options.simulate, dict(options.take)
         ),

@@ -44,6 +44,11 @@ def stability(
 ) -> Stability:
     """The linear dynamics of a train of N cells about its steady state.
 
+    d' = A d falls apart into blocks A_m(q), q = 2 pi j/N (see `linear_blocks`), A v = lambda v:
+
+        alpha = max Re lambda (Eq. 14, neutral modes set aside),
+        eta = max d^H (G A + A^H G) d/(2 d^H G d) (Eq. 15, G the matrix of a norm).
+
     **Arguments:**
 
     - `base`: from `steady`; it must be converged.

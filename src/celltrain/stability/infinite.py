@@ -162,6 +162,8 @@ def infinite_train(
 ) -> InfiniteTrain:
     """Growth rates of an infinite train over the wave number q, and the most unstable wave.
 
+        alpha_m(q) = max Re lambda, lambda the eigenvalues of A_m(q), neutral ones set aside.
+
     **Arguments:**
 
     - `base`: the steady train; its number of cells does not matter.
