@@ -153,7 +153,7 @@ def meridian_displacement(
 def structural_sensitivity(
     result: Stability, mode: Mode, *, points: int = 721
 ) -> StructuralSensitivity:
-    """The structural sensitivity of a mode along the meridian of a cell (see the module).
+    """The structural sensitivity |l| |r|/|<l, r>| of a mode along the meridian of a cell.
 
     **Raises:** `CaseError` for a neutral mode.
     """

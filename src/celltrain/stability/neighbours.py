@@ -69,7 +69,7 @@ def blocks_without_neighbours(result: Stability, removed: int) -> Blocks:
 
 
 def growth_without_neighbours(result: Stability, removed: int) -> GrowthWithout:
-    """alpha~ of Eq. (22).
+    """alpha~(n) = max Re lambda, lambda the eigenvalues of A~_m(q) of Eq. (22) (see the module).
 
     **Raises:** `CaseError` for a number of neighbours that the train does not have.
     """

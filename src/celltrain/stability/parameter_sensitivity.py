@@ -118,7 +118,9 @@ class ParameterSensitivities:
 def parameter_sensitivities(
     result: Stability, mode: Mode | None = None, *, parameters: Sequence[str] | None = None
 ) -> ParameterSensitivities:
-    """Derivatives of a growth rate and frequency by a train's parameters, Eq. (a) of the module.
+    """Derivatives of a growth rate and frequency by a train's parameters.
+
+        d lambda/dp = w^H (A_p + A_s [ds/dp]) v,     Eq. (a) of the module.
 
     **Arguments:**
 
