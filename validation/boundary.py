@@ -11,7 +11,7 @@ from celltrain.pictures import draw_stability_boundary
 from celltrain.stability import block_spectrum, linear_blocks, neutral_space
 
 # Modes of trains at D = 6: name, q, packings through which the start is reached, number of points.
-SPARSE = ("all cells alike (q = 0)", 0.0, (0.3, 0.36, 0.39), 6)
+SPARSE = ("all cells alike (q = 0)", 0.0, (0.3, 0.36, 0.39), 5)
 DENSE = ("neighbours oppositely (q = pi)", math.pi, (0.3, 0.5, 0.6), 3)
 FINER_DEGREE = 16
 # Growth rates below this (U/r0) are zero: a thousandth of those inside the unstable regions.

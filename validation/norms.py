@@ -109,8 +109,8 @@ def statement(found: dict[int, dict[str, Measures]]) -> str:
         parts.append(f"M^{power:.2f} ({name})")
     return (
         f"Between M = {first} and {last} the initial growth rate changes as {', '.join(parts)}."
-        " What keeps growing with the degree is how fast the finest disturbances rise at first, not"
-        " how far they get: they are gone after a time that falls as their growth rate rises."
+        " Where it keeps rising, finer disturbances rise faster at first, but get no further: they are"
+        " gone the sooner. By strain, fine disturbances are large to begin with."
     )
 
 

@@ -59,8 +59,8 @@ def base_sensitivities(
     check_parameters(names, train)
     system = steady_system(train, close=comes_close(train, base.coefficients))
     unknowns = system.unknowns(jnp.asarray(base.coefficients))
-    matrix = bordered_matrix(system.state(unknowns), math.inf)
     varied = variation(system.operator, train, names)
+    matrix = bordered_matrix(system.state(unknowns), math.inf)
     right, volumes = rates_by_parameters(system, varied, names, unknowns)
     padded = np.concatenate([right, volumes[:, None]], axis=1)
     slopes = np.linalg.solve(matrix, padded.T).T[:, :-1]
