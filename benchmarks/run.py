@@ -7,7 +7,7 @@ the cache. Each measurement becomes a line of results.csv beside this script.
 
     python benchmarks/run.py [--quick] [--only NAME ...]
 
-Run time. About five minutes on two cores, with --quick about three, with nothing else to do.
+Run time. About seven minutes on two cores, with --quick about four, with nothing else to do.
 """
 
 import argparse
@@ -70,6 +70,7 @@ CASES = (
     Case("base", "steady train from rest", 3, 10.0, None, 40.0),
     Case("blocks", "all blocks A_m(q)", 3, 15.0, None, 59.0),
     Case("spectrum", "spectra, numerical abscissas", 3),
+    Case("infinite", "infinite train: 17 wave numbers, m = 0 to 3", 3, 60.0),
     Case("command", "the whole command", 3, 45.0),
 )
 

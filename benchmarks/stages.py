@@ -24,6 +24,7 @@ from celltrain.flow import Sources
 from celltrain.stability import (
     NORMS,
     block_spectrum,
+    infinite_train,
     linear_blocks,
     neutral_space,
     numerical_abscissa,
@@ -166,6 +167,11 @@ def _spectrum() -> Work:
     return work
 
 
+def _infinite() -> Work:
+    base = _base()
+    return lambda: infinite_train(base)
+
+
 #: Name of a stage -> what makes it ready and returns the work to measure.
 STAGES: dict[str, Callable[[], Work]] = {
     "evaluation": lambda: _evaluation(lambda operator, shapes: operator.rates(shapes)),
@@ -184,6 +190,7 @@ STAGES: dict[str, Callable[[], Work]] = {
     "base": lambda: _base,
     "blocks": _blocks,
     "spectrum": _spectrum,
+    "infinite": _infinite,
 }
 
 

@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from celltrain import Train, stability, steady
+from celltrain import Stability, Train, stability, steady
 from celltrain.cli.progress import Reporter
 from celltrain.pictures import draw_pseudospectrum, draw_structural_sensitivity
 from celltrain.stability import (
@@ -34,6 +34,7 @@ from celltrain.stability import (
     normed_blocks,
     propagator_norm,
     pseudospectrum,
+    receptivity,
     structural_sensitivity,
 )
 
@@ -68,7 +69,16 @@ def main(folder: Path = Path("out/pseudospectrum")) -> None:
     )
     at = np.degrees(place.theta[place.sensitivity.argmax()])
     print(f"structural sensitivity: integral {place.integral:.4f}, largest at theta = {at:.1f}")
+    for name, shapes in (("itself", result.shape(leading)), ("v_eta", result.transient_shape())):
+        # Both have the same size.
+        print(f"amplitude of the leading mode in {name}: {receptivity_of(result, shapes):.4f}")
     print(draw_structural_sensitivity(place, folder / "structural_sensitivity.png"))
+
+
+def receptivity_of(result: Stability, shapes: np.ndarray) -> float:
+    """How much of the leading mode a disturbance excites, relative to the disturbance."""
+    size = np.linalg.norm(shapes) / np.sqrt(len(shapes))
+    return abs(receptivity(result, result.leading, shapes)) / float(size)
 
 
 if __name__ == "__main__":

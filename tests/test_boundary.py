@@ -1,12 +1,14 @@
 """The boundary of stability: the curve itself, and a short piece of it for coarse trains."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from celltrain import Base, CaseError, Train, steady
 from celltrain.continuation import BoundaryPoint, Steps, boundary, stability_boundary
+from celltrain.pictures import draw_stability_boundary
 from celltrain.stability import WaveMode, block_spectrum, linear_blocks, neutral_space
 
 M, Q = 1, 0.7
@@ -19,7 +21,7 @@ def growth_rate(base: Base) -> float:
 
 
 def test_the_curve_is_followed_to_the_side_asked_for(
-    coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+    coarse_base: Base, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     # A made-up growth rate (D/6)^2 + (phi/0.3)^2 - 2, with its gradient.
     mode = WaveMode(0.1, 0.0, M, Q, np.ones(1, complex), np.ones(1, complex))
@@ -52,6 +54,8 @@ def test_the_curve_is_followed_to_the_side_asked_for(
             assert abs(each.mode.growth_rate) < 1e-10
         along = np.array([getattr(each, towards) for each in found.points])
         assert (np.diff(along) * (1.0 if rising else -1.0) > 0.0).all()
+    picture = draw_stability_boundary({"tilt": found}, tmp_path / "boundary.png")
+    assert picture.stat().st_size > 10_000
 
 
 @pytest.mark.slow

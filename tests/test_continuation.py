@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
 
-from celltrain import Base, CaseError, steady
+from celltrain import Base, CaseError, Train, steady
 from celltrain.cli import analyses, main
 from celltrain.cli import branch as command
 from celltrain.continuation import (
@@ -24,6 +24,7 @@ from celltrain.continuation import (
     branch,
     trace_curve,
 )
+from celltrain.train import parameter_value
 
 STEPS = Steps(first=0.1, largest=0.2, tolerance=1e-10)
 
@@ -90,19 +91,22 @@ def single(coarse_base: Base) -> Base:
     return replace(coarse_base, train=coarse_base.train.changed(cells=1))
 
 
-def test_a_branch_consists_of_steady_trains(single: Base) -> None:
-    found = branch(single, "shear_modulus", to=1.6, steps=Steps(first=0.1, largest=0.15))
+@pytest.mark.parametrize(
+    ("parameter", "to"), [("capillary_number", 1.2), ("reduced_volume", 0.72), ("diameter", 7.0)]
+)
+def test_a_branch_consists_of_steady_trains(single: Base, parameter: str, to: float) -> None:
+    found = branch(single, parameter, to=to, steps=Steps(first=0.08, largest=0.12))
     assert found.ending.kind == "reached"
     values = [point.value for point in found.points]
-    first = single.train.cell.shear_modulus
-    assert len(values) >= 4
+    first = parameter_value(single.train, parameter)
+    assert len(values) >= 3
     assert (np.diff(values) > 0.0).all()
-    assert_allclose([values[0], values[-1]], [first, 1.6], rtol=1e-14)
+    assert_allclose([values[0], values[-1]], [first, to], rtol=1e-9)
     assert found.folds == ()
     for point in found.points:
         assert point.base.residual < 1e-9
-        assert point.base.train == single.train.changed(shear_modulus=point.value)
-    inside = found.points[2].base
+        assert parameter_value(point.base.train, parameter) == pytest.approx(point.value, rel=1e-14)
+    inside = found.points[1].base
     again = steady(inside.train, start=single, estimate_error=False)
     assert_allclose(inside.coefficients, again.coefficients, rtol=0, atol=1e-8)
     assert_allclose(inside.cell_velocity, again.cell_velocity, rtol=0, atol=1e-9)
@@ -145,6 +149,26 @@ def made_up(single: Base) -> Branch:
         for i, (value, slope) in enumerate(zip(values, slopes, strict=True))
     )
     return Branch("shear_modulus", points, Ending("lost", "the step became too short"))
+
+
+def test_command_begins_at_a_flow_of_a_strength(
+    made_up: Branch, single: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # The capillary number is no leaf, but changes all moduli.
+    asked: list[Train] = []
+
+    def found(base: Base, along: str, **_: object) -> Branch:
+        asked.append(base.train)
+        return made_up
+
+    monkeypatch.setattr(analyses, "steady", lambda train, **_: replace(single, train=train))
+    monkeypatch.setattr(command, "follow", found)
+    case = ["branch", "--diameter", "6", "--packing", "0.3", "--degree", "6", "--quiet", "--json"]
+    assert main([*case, "--along", "capillary_number", "--from", "1.5", "--to", "2"]) == 3
+    assert_allclose(asked[0].cell.capillary_number, 1.5, rtol=1e-14)
+    default = Train(diameter=6, packing=0.3).cell
+    ratio = default.dilatation_modulus / default.shear_modulus
+    assert_allclose(asked[0].cell.dilatation_modulus, ratio / 1.5, rtol=1e-14)
 
 
 def test_command(

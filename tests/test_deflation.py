@@ -1,11 +1,28 @@
 """Newton's method with known roots taken out finds the others; a search says what it tried."""
 
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
+import xarray as xr
 from numpy.testing import assert_allclose
 
-from celltrain import Base, CaseError
-from celltrain.continuation import Evaluation, NoSolution, Tries, deflated_newton, search_trains
+from celltrain import Base, CaseError, load
+from celltrain.cli import analyses, main
+from celltrain.cli import search as command
+from celltrain.continuation import (
+    BranchSearch,
+    Evaluation,
+    FoundTrain,
+    NoSolution,
+    SearchTry,
+    Tries,
+    deflated_newton,
+    search_trains,
+)
 from celltrain.continuation.deflation import deflated_step, deflation
 from celltrain.continuation.search import SAME, is_a_cell, reversed_shape
 from celltrain.harmonics import coefficient_index
@@ -101,3 +118,72 @@ def test_search_for_other_trains(coarse_base: Base) -> None:
 def test_what_is_refused(coarse_base: Base) -> None:
     with pytest.raises(CaseError, match="most_tries = 0"):
         search_trains(coarse_base, most_tries=0)
+
+
+@pytest.fixture(scope="module")
+def searched(coarse_base: Base) -> BranchSearch:
+    """A search that nobody made: two tries from one guess, a further train, and no more."""
+    other = replace(coarse_base, cell_velocity=1.5, origin="made up")
+    tries = (
+        SearchTry("the resting shape", 5, "found another train", 1e-10, other),
+        SearchTry("the resting shape", 0, "cells overlap", float("nan"), None),
+    )
+    found = (FoundTrain(other, "the resting shape", 0.7, -0.01),)
+    return BranchSearch(coarse_base, tries, found)
+
+
+def test_statements(searched: BranchSearch) -> None:
+    assert searched.statement == "1 further steady train was found in 2 tries from 1 guess"
+    none = replace(searched, found=(), tries=searched.tries[1:])
+    assert none.statement == "no further steady train was found in 1 try from 1 guess"
+
+
+def test_command(
+    searched: BranchSearch,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    asked = []
+
+    def compute(
+        base: Base, *, most_tries: int, progress: Callable[[SearchTry], None]
+    ) -> BranchSearch:
+        asked.append(most_tries)
+        for each in searched.tries:
+            progress(each)
+        return searched
+
+    monkeypatch.setattr(analyses, "steady", lambda train, **_: searched.known)
+    monkeypatch.setattr(command, "search_trains", compute)
+    case = ["search", "--diameter", "6", "--packing", "0.3", "--degree", "6"]
+    files = ["-o", str(tmp_path / "trains.nc"), "--plot", str(tmp_path)]
+    assert main([*case, "--most-tries", "2", "--json", *files]) == 0
+    printed = capsys.readouterr()
+    content = json.loads(printed.out)
+    assert asked == [2]
+    assert content["statement"] == searched.statement
+    assert content["known"]["cell_velocity"] == searched.known.cell_velocity
+    assert [each["residual"] for each in content["tries"]] == [1e-10, None]
+    assert content["found"][0]["cell_velocity"] == 1.5
+    assert "try 2: from the resting shape: cells overlap" in printed.err
+    names = sorted(each.name for each in tmp_path.iterdir())
+    assert names == ["search.png", "trains-1.nc", "trains.nc"]
+    again = load(tmp_path / "trains-1.nc")
+    assert isinstance(again, Base)
+    assert again.cell_velocity == 1.5
+    with xr.open_dataset(tmp_path / "trains.nc", engine="h5netcdf") as data:
+        assert data["cell_velocity"].values[1] == 1.5
+    assert main([*case, "--quiet"]) == 0
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    assert searched.statement in printed.out
+    assert "0.700" in printed.out
+
+
+def test_command_refuses(capsys: pytest.CaptureFixture[str]) -> None:
+    case = ["search", "--diameter", "6", "--packing", "0.3"]
+    assert main([*case, "--most-tries", "0"]) == 2
+    assert "most_tries = 0 is not allowed" in capsys.readouterr().err
+    assert main([*case, "--most-tries", "1.5"]) == 2
+    assert "1.5" in capsys.readouterr().err

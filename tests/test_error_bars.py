@@ -10,10 +10,11 @@ from rich.console import Console
 
 from celltrain import CaseError, Stability, load, print_report, save, stability, steady, summary
 from celltrain.cli import main
+from celltrain.pictures import draw_error_bars
 from celltrain.results.report import verdict
 from celltrain.stability import ErrorBar, block_spectrum, error_bars, with_error_bars
 from celltrain.stability.error_bars import _paired
-from celltrain.stability.spectrum import NeutralSpace
+from celltrain.stability.neutral import NeutralSpace
 from celltrain.train.accuracy import refined
 
 
@@ -102,6 +103,13 @@ def test_bars_are_kept_and_shown(coarse_stability: Stability, tmp_path: Path) ->
     console = Console(record=True, width=140)
     print_report(result, console)
     assert console.export_text().count("0.00321") == 2
+
+
+def test_picture(coarse_stability: Stability, tmp_path: Path) -> None:
+    path = draw_error_bars(with_bars(coarse_stability, [0.01, 0.002]), tmp_path / "bars.png")
+    assert path.stat().st_size > 10_000
+    with pytest.raises(CaseError, match="without error bars"):
+        draw_error_bars(coarse_stability, path)
 
 
 def test_what_is_refused(coarse_stability: Stability, capsys: pytest.CaptureFixture[str]) -> None:

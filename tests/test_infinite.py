@@ -159,7 +159,17 @@ def test_command(curves, monkeypatch, tmp_path, capsys) -> None:
 
     monkeypatch.setattr(analyses, "steady", lambda train, **_: curves.base)
     monkeypatch.setattr(infinite, "infinite_train", compute)
-    case = ["infinite", "--diameter", "6", "--packing", "0.3", "--degree", "6", "--quiet"]
+    case = [
+        "stability",
+        "--infinite",
+        "--diameter",
+        "6",
+        "--packing",
+        "0.3",
+        "--degree",
+        "6",
+        "--quiet",
+    ]
     path = tmp_path / "curves.nc"
     arguments = ["--wave-number", "2", "0.5", "-o", str(path), "--plot", str(tmp_path), "--json"]
     assert main([*case, *arguments]) == 0
@@ -174,8 +184,12 @@ def test_command(curves, monkeypatch, tmp_path, capsys) -> None:
 
 
 def test_command_refuses(capsys) -> None:
-    case = ["infinite", "--diameter", "6", "--packing", "0.2"]
+    case = ["stability", "--infinite", "--diameter", "6", "--packing", "0.2"]
     assert main([*case, "--wave-number", "4"]) == 2
     assert "wave_numbers = 4 is not allowed" in capsys.readouterr().err
     assert main([*case, "--azimuthal-numbers", "13"]) == 2
     assert "azimuthal_numbers = 13" in capsys.readouterr().err
+    assert main([*case, "--error-bars", "2"]) == 2
+    assert "error_bars is not allowed with infinite" in capsys.readouterr().err
+    assert main(["stability", *case[2:], "--wave-number", "1"]) == 2
+    assert "wave_number is not allowed without infinite" in capsys.readouterr().err

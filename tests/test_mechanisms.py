@@ -8,7 +8,13 @@ from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability
 from celltrain.diagnostics import MeridionalFlow, meridional_flow, recirculation
-from celltrain.pictures import draw_growth_without_neighbours, draw_streamlines
+from celltrain.pictures import (
+    draw_deformation_spectra,
+    draw_growth_without_neighbours,
+    draw_mode_motions,
+    draw_strain_energies,
+    draw_streamlines,
+)
 from celltrain.stability import (
     blocks_without_neighbours,
     full_matrix,
@@ -123,3 +129,8 @@ def test_no_turning_fluid(coarse_base: Base) -> None:
     assert found.axis_velocity == 0.0
     assert found.strength == 0.0
     assert np.isnan(found.centre).all()
+
+
+def test_pictures_of_mechanisms(coarse_stability: Stability, tmp_path: Path) -> None:
+    for draw in (draw_strain_energies, draw_deformation_spectra, draw_mode_motions):
+        assert draw(coarse_stability, tmp_path / "picture.png").stat().st_size > 10_000

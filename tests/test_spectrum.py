@@ -16,10 +16,12 @@ from celltrain.stability import (
     PaperNorm,
     SurfaceNorm,
     block_spectrum,
+    deflated,
+    neutral_defects,
     neutral_space,
     numerical_abscissa,
 )
-from celltrain.stability.spectrum import NeutralSpace
+from celltrain.stability.neutral import NeutralSpace
 from celltrain.train import azimuthal_basis
 
 Q, _ = np.linalg.qr(np.random.default_rng(0).normal(size=(12, 12)))
@@ -87,6 +89,42 @@ def test_known_null_vectors_of_a_train(coarse_stability: Stability) -> None:
         assert np.linalg.norm(neutral.volume @ block) < 0.1 * base.train.resolution.tolerance
         assert np.linalg.norm(block @ neutral.right) < 1e-6 * size
     assert neutral_space(base, 1, 0).count == 0
+
+
+def test_deflation_is_exact(coarse_stability: Stability) -> None:
+    base = coarse_stability.base
+    for wave, block in enumerate(coarse_stability.blocks[0]):
+        neutral = neutral_space(base, 0, wave)
+        exact = deflated(block, neutral)
+        assert neutral.volume is not None
+        assert_allclose(exact @ neutral.right, 0.0, atol=1e-13)
+        assert_allclose(neutral.volume @ exact, 0.0, atol=1e-13)
+        # Nothing else is touched: on the complement it is the same dynamics.
+        rest = scipy.linalg.null_space(np.column_stack([neutral.right, neutral.volume]).T)
+        assert_allclose(rest.T @ exact @ rest, rest.T @ block @ rest, rtol=0, atol=1e-12)
+    for mode in coarse_stability.modes:
+        if mode.neutral:
+            assert abs(complex(mode.growth_rate, mode.frequency)) < 1e-12
+
+
+def test_what_deflation_takes_away_is_told(coarse_stability: Stability) -> None:
+    # Wrong by 1e-5 in all entries, the dynamics keeps its neutral modes, and says how wrong it is.
+    random = np.random.default_rng(8)
+    block = coarse_stability.blocks[0]
+    noisy = block + 1e-5 * random.normal(size=block.shape)
+    wrong = replace(coarse_stability, blocks={0: noisy}, azimuthal_numbers=(0,))
+    defects = neutral_defects(wrong)
+    assert [each.kind for each in defects] == [
+        "rotation", "translation", "volume", "rotation", "volume",
+    ]  # fmt: skip
+    for each in defects:
+        neutral = neutral_space(wrong.base, 0, each.wave_number)
+        assert 1e-7 < abs(each.raw) <= each.residual < 1e-3
+        found = block_spectrum(noisy[each.wave_number], neutral)
+        values = found.eigenvalues[[kind == each.kind for kind in found.kinds]]
+        assert np.abs(values).max() < 1e-12
+    size = max(each.residual for each in neutral_defects(coarse_stability))
+    assert size < 1e-6 * np.linalg.norm(block[0], 2)
 
 
 def test_vectors_of_a_train(coarse_stability: Stability) -> None:

@@ -29,7 +29,7 @@ from celltrain.stability import (
     second_variation,
     transient_growth,
 )
-from celltrain.stability.spectrum import NeutralSpace
+from celltrain.stability.neutral import NeutralSpace
 from celltrain.stability.strain_norm import rigid_motions
 from celltrain.stability.transient import growth_peak
 from celltrain.train import azimuthal_basis, train_membrane

@@ -4,7 +4,7 @@
     python validation/run.py breakup --simulate NAME
 
 Every study writes a page and a figure into docs/validation and states what is expected. Without
-names all of them run, which takes about half an hour on two cores, but for those that take hours:
+names all of them run, which takes about an hour on two cores, but for those that take hours:
 `breakup` runs when it is named.
 """
 
@@ -19,11 +19,13 @@ import celltrain  # noqa: F401
 
 # isort: split
 import accuracy
+import boundary
 import breakup
 import convergence
 import figures
 import haematocrit
 import mechanisms
+import norms
 import packing
 import reference
 import sphere
@@ -53,6 +55,8 @@ def main() -> None:
         "haematocrit": lambda _: haematocrit.study(),
         "figures": lambda options: figures.study(options.results),
         "mechanisms": lambda _: mechanisms.study(),
+        "norms": lambda _: norms.study(),
+        "boundary": lambda _: boundary.study(),
         "breakup": lambda options: breakup.study(
             options.runs, options.simulate, dict(options.take)
         ),

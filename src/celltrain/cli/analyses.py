@@ -26,6 +26,7 @@ class Analysis(Generic[Result]):
     """What is done with a steady train, and with what comes of it.
 
     `check` looks at the case before anything is computed; `save` is there if there is an output.
+    `change` makes of the case that was given the one to begin with.
     """
 
     check: Callable[[Train], None]
@@ -34,6 +35,7 @@ class Analysis(Generic[Result]):
     report: Callable[[Result, Console], None]
     plot: Callable[[Result, Path], list[Path]]
     save: Callable[[Result, Path], None] | None = None
+    change: Callable[[Train], Train] = lambda train: train
 
 
 def analyse(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Result]) -> int:
@@ -44,7 +46,7 @@ def analyse(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Resu
     """
     case = read_case(request.case) if request.case else None
     start = read_start(request.start) if request.start else None
-    train = read_train(case, start, leaves)
+    train = analysis.change(read_train(case, start, leaves))
     analysis.check(train)
     if request.output:
         check_output(request.output)

@@ -14,15 +14,16 @@ from typing import Annotated
 from cyclopts import App, CycloptsError, Parameter
 from rich.console import Console
 
-from celltrain.cli.arguments import CaseFile, Json, Numbers, Plot, Quiet, Start
+from celltrain.cli.arguments import CaseFile, Json, Plot, Quiet, Start
 from celltrain.cli.branch import branch
 from celltrain.cli.compute import Request, run
 from celltrain.cli.evolve import evolve
-from celltrain.cli.infinite import infinite
-from celltrain.cli.options import CaseOptions, given_leaves, reader
+from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.paper import paper
 from celltrain.cli.plot import plot as plot_
+from celltrain.cli.search import search
 from celltrain.cli.sensitivity import sensitivity
+from celltrain.cli.stability import stability
 from celltrain.cli.sweep import sweep
 from celltrain.cli.transient import transient
 from celltrain.parameters import CaseError, merge_case, read_case
@@ -43,14 +44,6 @@ app = App(
 Output = Annotated[
     Path | None,
     Parameter(name=("--output", "-o"), help="netCDF file for the result; replaced if it exists."),
-]
-ErrorBars = Annotated[
-    int | None,
-    Parameter(
-        converter=reader(int, "allowed: whole numbers >= 1"),
-        help="Give this many leading growth rates an error bar, from four degrees more and from"
-        " finer grids: about eight times the work.",
-    ),
 ]
 
 
@@ -77,37 +70,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 app.command(branch)
 app.command(evolve)
-app.command(infinite)
 app.command(plot_, name="plot")
+app.command(search)
 app.command(sensitivity)
 app.command(paper)
+app.command(stability)
 app.command(sweep)
 app.command(transient)
-
-
-@app.command
-def stability(
-    case: CaseFile = None,
-    /,
-    *,
-    options: CaseOptions = None,
-    azimuthal_numbers: Numbers = None,
-    error_bars: ErrorBars = None,
-    start: Start = None,
-    output: Output = None,
-    plot: Plot = None,
-    json: Json = False,
-    quiet: Quiet = False,
-) -> int:
-    """Compute the steady train and its linear stability: growth rates, modes, transient growth."""
-    request = Request(case, start, output, plot, json, quiet)
-    return run(
-        request,
-        given_leaves(options),
-        stable=True,
-        azimuthal_numbers=azimuthal_numbers,
-        error_bars=error_bars,
-    )
 
 
 @app.command

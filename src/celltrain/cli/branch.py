@@ -18,15 +18,19 @@ from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.progress import Reporter
 from celltrain.continuation import Branch, BranchPoint, check_branch
 from celltrain.continuation import branch as follow
+from celltrain.continuation.branch import ALONG
 from celltrain.parameters import CaseError, Train
 from celltrain.pictures.branch import draw_branch
 from celltrain.results import summary
 from celltrain.stability import NUMBERS, Stability, stability
 from celltrain.steady import Base
+from celltrain.train import with_parameter
 
 INTERRUPTED = 130
 
-Along = Annotated[str, Parameter(help="Parameter that changes along the branch.")]
+Along = Annotated[
+    str, Parameter(help=f"Parameter that changes along the branch: {', '.join(ALONG)}.")
+]
 From = Annotated[
     float | None, Parameter(name="--from", help="Its first value; that of the case if not given.")
 ]
@@ -65,7 +69,15 @@ def branch(
     Growth rates are those of azimuthal numbers 0 to 3.
     """
     kinds: list[str] = []
-    leaves = given_leaves(options) | ({} if from_ is None else {along: from_})
+    leaves = given_leaves(options)
+    if from_ is not None and along != "capillary_number":
+        leaves |= {along: from_}
+
+    def first(train: Train) -> Train:
+        """The capillary number is no leaf of a case, but changes several."""
+        if from_ is None or along != "capillary_number":
+            return train
+        return with_parameter(train, along, from_)
 
     def last(train: Train) -> float:
         """The last value as the package has it; options may be in SI."""
@@ -104,7 +116,9 @@ def branch(
 
     request = Request(case, start, output, plot, json, quiet)
     status = analyse(
-        request, leaves, Analysis(check, compute, branch_summary, print_branch, pictures, save)
+        request,
+        leaves,
+        Analysis(check, compute, branch_summary, print_branch, pictures, save, change=first),
     )
     if status:
         return status

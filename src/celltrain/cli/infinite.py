@@ -1,17 +1,15 @@
-"""The command for trains without end: ``celltrain infinite``."""
+"""Trains without end on the command line: ``celltrain stability --infinite``."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 
 from celltrain.cli.analyses import Analysis, analyse, save_dataset
-from celltrain.cli.arguments import CaseFile, Json, Numbers, Plot, Quiet, Start
 from celltrain.cli.compute import Request
-from celltrain.cli.options import CaseOptions, given_leaves, reader
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import Train
 from celltrain.pictures import draw_dispersion
@@ -20,39 +18,17 @@ from celltrain.stability import InfiniteTrain, check_linearisable, infinite_trai
 from celltrain.stability.infinite import NUMBERS, WaveMode, check_waves
 from celltrain.steady import Base
 
-Waves = Annotated[
-    list[float] | None,
-    Parameter(
-        name="--wave-number",
-        consume_multiple=True,
-        negative=(),
-        converter=reader(float, "allowed: 0, and numbers from 0.001 to pi"),
-        help="Phases q from cell to cell to compute (radians, 0 or from 0.001 to pi); 17 in equal"
-        " steps if not given.",
-    ),
-]
-Output = Annotated[
-    Path | None,
-    Parameter(name=("--output", "-o"), help="netCDF file for the curves; replaced if it exists."),
-]
 
-
-def infinite(
-    case: CaseFile = None,
-    /,
-    *,
-    options: CaseOptions = None,
-    wave_numbers: Waves = None,
-    azimuthal_numbers: Numbers = None,
-    start: Start = None,
-    output: Output = None,
-    plot: Plot = None,
-    json: Json = False,
-    quiet: Quiet = False,
+def run_infinite(
+    request: Request,
+    leaves: Mapping[str, Any],
+    wave_numbers: Sequence[float] | None,
+    azimuthal_numbers: Sequence[int] | None,
 ) -> int:
-    """Compute the growth rates of waves of any length on an infinite train.
+    """Compute the growth rates of waves of any length; return the exit status.
 
-    Azimuthal numbers are 0 to 3 if none are given.
+    Raises:
+        CaseError: for anything in the request that is not allowed, before computing.
     """
     numbers = NUMBERS if azimuthal_numbers is None else tuple(azimuthal_numbers)
     waves = None if wave_numbers is None else np.unique(wave_numbers)
@@ -70,9 +46,8 @@ def infinite(
     def pictures(result: InfiniteTrain, folder: Path) -> list[Path]:
         return [draw_dispersion(result, folder / "dispersion.png")]
 
-    request = Request(case, start, output, plot, json, quiet)
     analysis = Analysis(check, compute, infinite_summary, print_infinite, pictures, _save)
-    return analyse(request, given_leaves(options), analysis)
+    return analyse(request, leaves, analysis)
 
 
 def _save(result: InfiniteTrain, path: Path) -> None:

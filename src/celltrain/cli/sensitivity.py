@@ -74,10 +74,10 @@ def sensitivity(
     quiet: Quiet = False,
 ) -> int:
     """Compute how a growth rate changes with the train's parameters, and where it is made."""
-    names = PARAMETERS if parameters is None else tuple(parameters)
 
-    def check(_: Train) -> None:
-        check_parameters(names)
+    def check(train: Train) -> None:
+        if parameters is not None:
+            check_parameters(parameters, train)
         if mode < 1:
             raise CaseError(f"mode = {mode} is not allowed; allowed: whole numbers >= 1")
 
@@ -89,7 +89,7 @@ def sensitivity(
         chosen = modes[mode - 1]
         reporter.log("derivatives by the parameters")
         return Sensitivity(
-            parameter_sensitivities(result, chosen, parameters=names),
+            parameter_sensitivities(result, chosen, parameters=parameters),
             structural_sensitivity(result, chosen),
             condition_number(result, chosen),
         )

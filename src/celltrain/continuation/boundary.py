@@ -24,8 +24,8 @@ from celltrain.continuation.arclength import (
 )
 from celltrain.parameters import CaseError
 from celltrain.stability import block_spectrum, check_linearisable, linear_blocks
-from celltrain.stability.analysis import neutral_space
 from celltrain.stability.infinite import WaveMode, check_waves
+from celltrain.stability.neutral import neutral_space
 from celltrain.stability.parameter_sensitivity import wave_sensitivities
 from celltrain.steady import Base, NotConverged, steady
 

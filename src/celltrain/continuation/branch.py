@@ -2,7 +2,7 @@
 
 The unknowns are those of a steady train (see `equations`) and one of its parameters p. The curve of
 
-    F(a, p, c) = [ v(a, p) - c n,  V(a) - V0 ]
+    F(a, p, c) = [ v(a, p) - c n,  V(a) - V0(p) ]
 
 is followed by its arclength in a/sqrt(4 pi) (r0) and p/p0, p0 its first value.
 """
@@ -32,7 +32,7 @@ from celltrain.steady import Base, NotConverged, steady
 from celltrain.steady.sensitivity import rates_by_parameters
 from celltrain.steady.solve import comes_close
 from celltrain.steady.system import steady_system
-from celltrain.train import PARAMETERS, variation
+from celltrain.train import PARAMETERS, parameter_value, parameters_of, variation, with_parameter
 
 #: Parameters along which there are branches: steady trains do not depend on the viscosity ratio.
 ALONG = tuple(name for name in PARAMETERS if name != "viscosity_ratio")
@@ -178,10 +178,11 @@ def check_branch(train: Train, parameter: str, to: float) -> float:
 
     **Raises:** `CaseError` for what is not allowed.
     """
-    if parameter not in ALONG:
-        raise CaseError(f"parameter = {parameter!r} is not allowed; allowed: {', '.join(ALONG)}")
-    first = float(train.leaf(parameter))
-    train.changed(**{parameter: to})
+    allowed = [name for name in ALONG if name in parameters_of(train)]
+    if parameter not in allowed:
+        raise CaseError(f"parameter = {parameter!r} is not allowed; allowed: {', '.join(allowed)}")
+    first = parameter_value(train, parameter)
+    with_parameter(train, parameter, to)
     if to == first or first == 0.0:
         raise CaseError(
             f"to = {to:g} is not allowed: {parameter} is {first:g} at the start; allowed: another"
@@ -208,7 +209,7 @@ def _last(
     """The train at the last value itself, which the curve has just passed."""
     try:
         end = steady(
-            base.train.changed(**{parameter: to}),
+            with_parameter(base.train, parameter, to),
             start=base,
             tolerance=steps.tolerance,
             estimate_error=False,
@@ -234,19 +235,18 @@ def _equations(parameter: str, first: float) -> Callable[[Unknowns, Base], Evalu
     """F, its derivatives, and the train that belongs to some unknowns."""
 
     def evaluate(unknowns: Unknowns, near: Base) -> Evaluation[Base]:
-        value = first * float(unknowns[-2])
+        value, names = first * float(unknowns[-2]), (parameter,)
         try:
-            train = near.train.changed(**{parameter: value})
+            train = with_parameter(near.train, parameter, value)
+            system = steady_system(train, close=comes_close(train, near.coefficients))
+            varied = variation(system.operator, train, names)
         except CaseError as error:
             raise NoSolution(str(error)) from None
-        system = steady_system(train, close=comes_close(train, near.coefficients))
         origin = f"branch along {parameter} from {first:g}"
         found = evaluate_steady(system, train, np.delete(unknowns, -2), origin)
         amounts = jnp.asarray(UNIT * unknowns[:-2])
-        by_parameter = rates_by_parameters(
-            system, variation(system.operator, train), (parameter,), amounts
-        )[0]
-        column = np.append(first * by_parameter, 0.0)
+        by_parameter, volume = rates_by_parameters(system, varied, names, amounts)
+        column = first * np.append(by_parameter[0], -volume)
         return replace(found, jacobian=np.insert(found.jacobian, -1, column, axis=1))
 
     return evaluate

@@ -83,7 +83,9 @@ class BranchSearch:
     def statement(self) -> str:
         """The outcome in words."""
         count = len(self.tries)
+        guesses = len({each.guess for each in self.tries})
         tried = f"{count} {'try' if count == 1 else 'tries'}"
+        tried += f" from {guesses} {'guess' if guesses == 1 else 'guesses'}"
         if not self.found:
             return f"no further steady train was found in {tried}"
         number = len(self.found)

@@ -30,6 +30,10 @@ class ModeMotion:
 def mode_motion(result: Stability, mode: Mode | TransientMode) -> ModeMotion:
     """Tumbling and tank-treading of a small disturbance at time 0, as in Fig. 14.
 
+        tumbling = <|omega|^2>^(1/2)/(eps/sqrt(N)),
+        tank-treading = <|Omega - omega|^2>^(1/2)/(eps/sqrt(N)),
+
+    omega the rotation of the cell's axes, Eq. (19), Omega that of the membrane, Eq. (20).
     The steady train does not turn, so to first order in the disturbance d the rotations are those
     of the steady cell whose points move at the rates A d: exact, without a finite amplitude. By
     symmetry nothing turns for azimuthal numbers above 1; for 0 cells may turn about the tube's

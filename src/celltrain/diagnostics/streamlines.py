@@ -58,7 +58,12 @@ class Recirculation:
 
 
 def meridional_flow(base: Base, *, radial: int = RADIAL, axial: int = AXIAL) -> MeridionalFlow:
-    """The flow around one cell of a steady train, on a grid of `axial` by `radial` points."""
+    """The flow in the frame of the cells, on a grid of `axial` by `radial` points of a half plane.
+
+        w = u - U_c e_z,     psi(r, z) = int_0^r w_z r' dr',
+
+    in U and U r0^2; lines of equal psi are streamlines.
+    """
     period = base.train.period
     radius = np.linspace(0.0, base.train.radius, radial)
     z = np.linspace(-0.5, 0.5, axial) * period
@@ -93,6 +98,9 @@ def inside_cells(
 
 def recirculation(base: Base, flow: MeridionalFlow | None = None) -> Recirculation:
     """What turns back between the cells of a steady train.
+
+    Points of rest are zeros of w_z on the axis; the strength of what turns is max(psi)/|psi(R)|
+    (see `meridional_flow`), the fluid in the closed streamlines over that which passes the cells.
 
     **Arguments:** `flow`: from `meridional_flow`, if it is known already.
     """

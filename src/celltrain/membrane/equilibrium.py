@@ -15,6 +15,9 @@ forms: with h = 2 z/n_z the thickness along the normal, from one face to its mir
     P = K int_(upper face) max(0, 1 - h/range)^3 dA,
 
 finite and of short range. It is zero for all larger v, and the finished shape has no part of it.
+
+The search is by sequential quadratic programming, its end corrected by Newton's method (see
+`stationary`), which also gives the derivative of a shape by v.
 """
 
 from functools import cache
@@ -33,6 +36,7 @@ from celltrain.membrane.energy import Membrane
 from celltrain.membrane.geometry import surface_geometry
 from celltrain.membrane.laws import make_law
 from celltrain.membrane.reference import reference_coefficients
+from celltrain.membrane.stationary import corrected_minimum, minimum_slope
 from celltrain.parameters import CaseError, Cell
 
 #: Thickness, in r0, below which the faces of a cell repel each other while it forms.
@@ -46,7 +50,7 @@ LEAST_ORDER = 48
 #: Closer to 1 than this the shape is the sphere, to which it tends like sqrt(1 - v).
 NEARLY_ONE = 1e-6
 #: Largest part of the forces, in mu U r0, that the constraints do not balance.
-LARGEST_IMBALANCE = 1e-5
+LARGEST_IMBALANCE = 1e-9
 
 
 class Relaxation(eqx.Module):
@@ -141,6 +145,31 @@ def relaxed_shape(degree: int, reduced_volume: float) -> Float[np.ndarray, "3 co
 
 
 @cache
+def relaxed_slope(degree: int, reduced_volume: float) -> Float[np.ndarray, "3 coefficient"]:
+    """Derivative of `relaxed_shape` by the reduced volume, r0.
+
+    **Raises:** `CaseError` next to the sphere, where it becomes infinite, or if there is no shape.
+    """
+    if reduced_volume > 1.0 - NEARLY_ONE:
+        raise CaseError(
+            f"reduced_volume = {reduced_volume:g} is not allowed: the shape at rest has no"
+            " derivative there; allowed: < 1"
+        )
+    problem = relaxation(degree)
+    _, largest, _ = _healthy(problem)
+    unknowns = np.asarray(problem.unknowns(jnp.asarray(relaxed_shape(degree, reduced_volume))))
+    slope = minimum_slope(problem, unknowns, np.array([0.0, largest]))
+    shape = np.array(problem.shape(jnp.asarray(slope)))
+    shape.setflags(write=False)
+    return shape
+
+
+def healthy_reduced_volume(degree: int) -> float:
+    """The reduced volume of the biconcave cell itself, 0.6444, by the rule of a degree."""
+    return _healthy(relaxation(degree))[2]
+
+
+@cache
 def _rung(degree: int, count: int) -> Float[np.ndarray, " unknown"]:
     """The shape a number of steps (negative: of deflation) away from the healthy one."""
     problem = relaxation(degree)
@@ -202,15 +231,16 @@ def _minimum(
         constraints=NonlinearConstraint(missed, 0.0, 0.0, jac=normals),
         options={"maxiter": 500, "ftol": 1e-13},
     )
-    left = float(np.abs(imbalance(problem, found.x)).max())
     # The method may also end because rounding allows no further step: what counts is where.
-    if not (left < LARGEST_IMBALANCE and np.abs(missed(found.x)).max() < 1e-9):
+    unknowns = corrected_minimum(problem, found.x, target)
+    left = float(np.abs(imbalance(problem, unknowns)).max())
+    if not (left < LARGEST_IMBALANCE and np.abs(missed(unknowns)).max() < 1e-9):
         degree = isqrt(problem.basis.shape[-1])
         raise CaseError(
             f"reduced_volume = {reduced_volume:g} is not allowed at degree {degree}: no resting"
             f" shape was found (forces of {left:.1e} mu U r0 are not balanced); take another degree"
         )
-    return np.asarray(found.x)
+    return unknowns
 
 
 def imbalance(

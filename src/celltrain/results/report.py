@@ -9,7 +9,7 @@ from rich.text import Text
 
 from celltrain.parameters import Train, paper_units
 from celltrain.results.version import version
-from celltrain.stability import Mode, Stability
+from celltrain.stability import Mode, Stability, neutral_defects
 from celltrain.steady import Base
 
 #: A growth rate up to this (U/r0), or up to the resolution's own error, counts as none.
@@ -186,8 +186,10 @@ def _modes_table(result: Stability) -> Table:
         )
     table.add_section()
     neutral = [mode for mode in result.modes if mode.neutral]
+    defects = neutral_defects(result)
     for kind in dict.fromkeys(mode.neutral_kind for mode in neutral):
         same = [mode for mode in neutral if mode.neutral_kind == kind]
+        raw = max(abs(defect.raw) for defect in defects if defect.kind == kind)
         table.add_row(
             _numbers(mode.azimuthal_number for mode in same),
             _numbers(mode.wave_number for mode in same),
@@ -195,7 +197,7 @@ def _modes_table(result: Stability) -> Table:
             *([""] if bars else []),
             _rate(max((mode.frequency for mode in same), key=abs)),
             str(sum(mode.multiplicity for mode in same)),
-            f"neutral: {kind}",
+            f"neutral: {kind} (before deflation {raw:.0e})",
             style="dim",
         )
     table.caption = (

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from celltrain.results.version import version
-from celltrain.stability import ErrorBar, Mode, Stability
+from celltrain.stability import ErrorBar, Mode, NeutralDefect, Stability, neutral_defects
 from celltrain.steady import Base
 
 #: How many of the leading modes a summary lists.
@@ -18,8 +18,9 @@ def summary(result: Base | Stability) -> dict[str, Any]:
     `largest_radius`, `effective_viscosity`, `residual`, `truncation_error`,
     `velocity_error`, `origin`, `seconds`. Of a :class:`Stability` also `spectral_abscissa`,
     `numerical_abscissa`, `numerical_abscissas`, `error_estimate` and `leading_modes`, sorted by
-    growth rate, and if they were asked for `error_bars` and with them `growth_sign` (1, -1, or 0
-    where the bars do not tell). Numbers that are not finite become None.
+    growth rate, `neutral_defects` (what the dynamics makes of neutral modes before deflation), and
+    if they were asked for `error_bars` and with them `growth_sign` (1, -1, or 0 where the bars do
+    not tell). Numbers that are not finite become None.
     """
     base = result.base if isinstance(result, Stability) else result
     content: dict[str, Any] = {
@@ -41,6 +42,7 @@ def summary(result: Base | Stability) -> dict[str, Any]:
             "numerical_abscissas": result.numerical_abscissas,
             "error_estimate": result.error_estimate,
             "leading_modes": [_mode(mode) for mode in result.modes[:LEADING_MODES]],
+            "neutral_defects": [_defect(defect) for defect in neutral_defects(result)],
             "error_bars": [_bar(bar) for bar in result.error_bars],
             "growth_sign": result.growth_sign,
         }
@@ -57,6 +59,16 @@ def _mode(mode: Mode) -> dict[str, Any]:
         "neutral": mode.neutral,
         "neutral_kind": mode.neutral_kind,
         "multiplicity": mode.multiplicity,
+    }
+
+
+def _defect(defect: NeutralDefect) -> dict[str, Any]:
+    return {
+        "kind": defect.kind,
+        "wave_number": defect.wave_number,
+        "growth_rate": defect.raw.real,
+        "frequency": defect.raw.imag,
+        "residual": defect.residual,
     }
 
 

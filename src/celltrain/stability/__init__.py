@@ -8,7 +8,7 @@ from celltrain.stability.adjoint import (
     receptivity,
     structural_sensitivity,
 )
-from celltrain.stability.analysis import check_linearisable, neutral_space, stability
+from celltrain.stability.analysis import check_linearisable, stability
 from celltrain.stability.coordinates import NormedBlock, normed_block, normed_blocks
 from celltrain.stability.error_bars import check_count, with_error_bars
 from celltrain.stability.full_matrix import (
@@ -29,6 +29,13 @@ from celltrain.stability.neighbours import (
     GrowthWithout,
     blocks_without_neighbours,
     growth_without_neighbours,
+)
+from celltrain.stability.neutral import (
+    NeutralDefect,
+    NeutralSpace,
+    deflated,
+    neutral_defects,
+    neutral_space,
 )
 from celltrain.stability.norms import (
     NORMS,
@@ -76,6 +83,8 @@ __all__ = [
     "InfiniteTrain",
     "Kreiss",
     "Mode",
+    "NeutralDefect",
+    "NeutralSpace",
     "Norm",
     "NormedBlock",
     "OptimalDisturbance",
@@ -99,6 +108,7 @@ __all__ = [
     "check_count",
     "check_linearisable",
     "condition_number",
+    "deflated",
     "distance_to_uniform",
     "full_matrix",
     "growth_without_neighbours",
@@ -106,6 +116,7 @@ __all__ = [
     "kreiss_constant",
     "linear_blocks",
     "mode_vectors",
+    "neutral_defects",
     "neutral_space",
     "normed_block",
     "normed_blocks",

@@ -23,8 +23,8 @@ from jaxtyping import Complex, Float
 
 from celltrain.harmonics import real_harmonics
 from celltrain.parameters import CaseError
-from celltrain.stability.analysis import neutral_space
 from celltrain.stability.coordinates import normed_block
+from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import Norm, OrthonormalNorm
 from celltrain.stability.result import Mode, Stability
 from celltrain.train import azimuthal_basis
@@ -153,7 +153,7 @@ def meridian_displacement(
 def structural_sensitivity(
     result: Stability, mode: Mode, *, points: int = 721
 ) -> StructuralSensitivity:
-    """The structural sensitivity of a mode along the meridian of a cell (see the module).
+    """The structural sensitivity |l| |r|/|<l, r>| of a mode along the meridian of a cell.
 
     **Raises:** `CaseError` for a neutral mode.
     """

@@ -4,45 +4,18 @@ import time
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
 
 from celltrain.parameters import CaseError, Train
 from celltrain.runtime import timed
 from celltrain.stability.linearise import Blocks, Progress, linear_blocks
+from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import NORMS
 from celltrain.stability.result import Mode, Stability, TransientMode
-from celltrain.stability.spectrum import (
-    BlockSpectrum,
-    NeutralSpace,
-    block_spectrum,
-    numerical_abscissa,
-)
+from celltrain.stability.spectrum import BlockSpectrum, block_spectrum, numerical_abscissa
 from celltrain.steady import Base, NotConverged, steady
-from celltrain.train import azimuthal_basis, volume_gradient
 
 # How many degrees more the estimate of the resolution's error takes.
 MORE_DEGREES = 2
-
-
-def neutral_space(base: Base, m: int, wave: int) -> NeutralSpace:
-    """The known null vectors of A_m(2 pi wave/N), in `azimuthal_basis(degree, m)`."""
-    shape = base.coefficients
-    basis = azimuthal_basis(base.train.resolution.degree, m)
-    empty = np.zeros((len(basis), 0))
-    if m != 0:
-        return NeutralSpace(empty, (), None)
-    turned = np.stack([-shape[1], shape[0], np.zeros_like(shape[0])])
-    right = [_unit(np.einsum("uik,ik->u", basis, turned))]
-    kinds = ["rotation"]
-    if wave == 0:
-        right.append(np.eye(len(basis))[0])
-        kinds.append("translation")
-    volume = _unit(np.einsum("uik,ik->u", basis, volume_gradient(shape)))
-    return NeutralSpace(np.stack(right, axis=1), tuple(kinds), volume)
-
-
-def _unit(vector: Float[np.ndarray, " size"]) -> Float[np.ndarray, " size"]:
-    return vector / np.linalg.norm(vector)
 
 
 def check_linearisable(train: Train, azimuthal_numbers: Sequence[int] | None) -> None:
@@ -70,6 +43,11 @@ def stability(
     progress: Progress | None = None,
 ) -> Stability:
     """The linear dynamics of a train of N cells about its steady state.
+
+    d' = A d falls apart into blocks A_m(q), q = 2 pi j/N (see `linear_blocks`), A v = lambda v:
+
+        alpha = max Re lambda (Eq. 14, neutral modes set aside),
+        eta = max d^H (G A + A^H G) d/(2 d^H G d) (Eq. 15, G the matrix of a norm).
 
     **Arguments:**
 

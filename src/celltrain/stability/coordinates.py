@@ -24,10 +24,9 @@ import scipy.linalg
 from jaxtyping import Complex, Float
 
 from celltrain.parameters import CaseError
-from celltrain.stability.analysis import neutral_space
+from celltrain.stability.neutral import NeutralSpace, neutral_space
 from celltrain.stability.norms import Norm
 from celltrain.stability.result import Stability
-from celltrain.stability.spectrum import NeutralSpace
 
 
 @dataclass(frozen=True)

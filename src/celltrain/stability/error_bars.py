@@ -21,8 +21,8 @@ from jaxtyping import Complex, Float
 from scipy.optimize import linear_sum_assignment
 
 from celltrain.parameters import CaseError, Train
-from celltrain.stability.analysis import neutral_space
 from celltrain.stability.linearise import linear_blocks
+from celltrain.stability.neutral import neutral_space
 from celltrain.stability.result import ErrorBar, Mode, Stability
 from celltrain.stability.spectrum import BlockSpectrum, block_spectrum
 from celltrain.steady import Base, NotConverged, change_degree, steady
@@ -42,7 +42,9 @@ Found = dict[Mode, tuple[complex, float]]
 def with_error_bars(
     result: Stability, *, count: int = COUNT, progress: Callable[[int, int], None] | None = None
 ) -> Stability:
-    """The same result with error bars of its leading modes that are not neutral (see the module).
+    """The same result with error bars of its leading modes that are not neutral.
+
+        bar = |lambda(M) - lambda(M + 4)| + |lambda - lambda(finer rules)|     (see the module).
 
     It takes a steady train and blocks at four degrees more, about five times what those of the
     result took, and others with finer rules, about twice.

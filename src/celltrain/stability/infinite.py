@@ -33,11 +33,12 @@ from jaxtyping import Complex, Float
 from scipy.interpolate import CubicSpline
 
 from celltrain.parameters import CaseError
-from celltrain.stability.analysis import check_linearisable, neutral_space
+from celltrain.stability.analysis import check_linearisable
 from celltrain.stability.coordinates import normed_block
 from celltrain.stability.linearise import Blocks, Progress, linear_blocks
+from celltrain.stability.neutral import NeutralSpace, neutral_space
 from celltrain.stability.norms import Norm, PaperNorm
-from celltrain.stability.spectrum import NeutralSpace, block_spectrum
+from celltrain.stability.spectrum import block_spectrum
 from celltrain.steady import Base
 
 #: Azimuthal numbers of the modes that matter in all trains tried.
@@ -160,6 +161,8 @@ def infinite_train(
     progress: Progress | None = None,
 ) -> InfiniteTrain:
     """Growth rates of an infinite train over the wave number q, and the most unstable wave.
+
+        alpha_m(q) = max Re lambda, lambda the eigenvalues of A_m(q), neutral ones set aside.
 
     **Arguments:**
 

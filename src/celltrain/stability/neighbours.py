@@ -20,10 +20,10 @@ import numpy as np
 from jaxtyping import Complex
 
 from celltrain.parameters import CaseError
-from celltrain.stability.analysis import neutral_space
 from celltrain.stability.linearise import Blocks
+from celltrain.stability.neutral import NeutralSpace, neutral_space
 from celltrain.stability.result import Stability
-from celltrain.stability.spectrum import NeutralSpace, block_spectrum
+from celltrain.stability.spectrum import block_spectrum
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def blocks_without_neighbours(result: Stability, removed: int) -> Blocks:
 
 
 def growth_without_neighbours(result: Stability, removed: int) -> GrowthWithout:
-    """alpha~ of Eq. (22).
+    """alpha~(n) = max Re lambda, lambda the eigenvalues of A~_m(q) of Eq. (22) (see the module).
 
     **Raises:** `CaseError` for a number of neighbours that the train does not have.
     """

@@ -37,12 +37,13 @@ from celltrain.stability.linearise import BATCH, interior_action, linear_action
 from celltrain.stability.result import Mode, Stability
 from celltrain.steady import Base, BaseSensitivity, base_sensitivities
 from celltrain.train import (
-    PARAMETERS,
     Variation,
     azimuthal_basis,
     check_parameters,
     clearance,
     close_distance,
+    parameter_value,
+    parameters_of,
     train_operator,
     variation,
 )
@@ -115,15 +116,18 @@ class ParameterSensitivities:
 
 
 def parameter_sensitivities(
-    result: Stability, mode: Mode | None = None, *, parameters: Sequence[str] = PARAMETERS
+    result: Stability, mode: Mode | None = None, *, parameters: Sequence[str] | None = None
 ) -> ParameterSensitivities:
-    """Derivatives of a growth rate and frequency by a train's parameters, Eq. (a) of the module.
+    """Derivatives of a growth rate and frequency by a train's parameters.
+
+        d lambda/dp = w^H (A_p + A_s [ds/dp]) v,     Eq. (a) of the module.
 
     **Arguments:**
 
     - `result`: the linear dynamics of the train.
     - `mode`: one of its modes; the leading one if not given.
-    - `parameters`: names among `PARAMETERS`. Lengths in r0, moduli in mu U.
+    - `parameters`: names among `PARAMETERS`, all that the train has if not given. Lengths in r0,
+      moduli in mu U.
 
     **Raises:** `CaseError` for a neutral mode or a parameter that is not allowed.
     """
@@ -137,20 +141,22 @@ def parameter_sensitivities(
 
 
 def wave_sensitivities(
-    base: Base, mode: WaveMode, *, parameters: Sequence[str] = PARAMETERS
+    base: Base, mode: WaveMode, *, parameters: Sequence[str] | None = None
 ) -> ParameterSensitivities:
     """The same for a mode of an infinite train with any wave number q, which is held.
 
     **Raises:** `CaseError` for a parameter that is not allowed.
     """
-    check_parameters(parameters)
-    names, train = tuple(parameters), base.train
+    train = base.train
+    names = parameters_of(train) if parameters is None else tuple(parameters)
+    check_parameters(names, train)
     of_base = base_sensitivities(base, names)
     changed = jnp.asarray(np.stack([of_base[name].coefficients for name in names]))
     equal, ratio = train.changed(viscosity_ratio=1.0), train.flow.viscosity_ratio
     close = clearance(base.coefficients, train.period, train.radius) < close_distance(train)
-    still = variation(train_operator(equal, close=close), train)
-    wave = variation(train_operator(equal, close=close, wave_number=mode.wave_number), train)
+    still = variation(train_operator(equal, close=close), train, names)
+    moving = train_operator(equal, close=close, wave_number=mode.wave_number)
+    wave = variation(moving, train, names)
     shape = jnp.asarray(base.coefficients)
     basis = azimuthal_basis(train.resolution.degree, mode.azimuthal_number)
     directions = np.einsum("pu,uik->pik", [mode.right.real, mode.right.imag], basis)
@@ -183,7 +189,7 @@ def wave_sensitivities(
         {
             name: ParameterSensitivity(
                 name,
-                float(train.leaf(name)),
+                parameter_value(train, name),
                 float(slope.real),
                 float(slope.imag),
                 of_base[name],

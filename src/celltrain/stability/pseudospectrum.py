@@ -23,8 +23,8 @@ import scipy.optimize
 from jaxtyping import Complex, Float
 
 from celltrain.parameters import CaseError
-from celltrain.stability.analysis import neutral_space
 from celltrain.stability.coordinates import normed_block
+from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import Norm, PaperNorm
 from celltrain.stability.result import Stability
 
@@ -100,7 +100,9 @@ def smallest_singular_value(
 
 
 def kreiss_constant(matrix: Matrix) -> Kreiss:
-    """The Kreiss constant of B - alpha, Eq. (a), alpha the spectral abscissa of B.
+    """The Kreiss constant of B - alpha, alpha the spectral abscissa of B.
+
+        K = sup (Re z - alpha) |(z - B)^-1| over Re z > alpha,     Eq. (a) of the module.
 
     Searched on lines Re z - alpha in equal ratios, next to the imaginary parts of the eigenvalues
     and between them, then by the simplex method; a lower bound of the supremum in any case.
@@ -153,7 +155,7 @@ def pseudospectrum(
     window: Window | None = None,
     points: int = 101,
 ) -> Pseudospectrum:
-    """Pseudospectra of one block on a grid, and its Kreiss constant.
+    """Pseudospectra of one block, 1/|(z - B)^-1| on a grid of z, and its Kreiss constant.
 
     **Arguments:**
 

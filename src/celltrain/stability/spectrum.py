@@ -1,16 +1,9 @@
-"""Eigenvalues of the linear dynamics, with the modes known to be neutral taken out exactly.
-
-What cannot grow or decay is known beforehand:
-
-* each cell's rotation about the axis, a right null vector r of A_0(q) for every q;
-* each cell's volume: its gradient n is a left null vector of A_0(q) for every q, and the matching
-  right vector is the change of the steady train with its volume;
-* the displacement t of the whole train along the tube, a right null vector of A_0(0).
+"""Eigenvalues of the linear dynamics, with the modes known to be neutral deflated (see `neutral`).
 
 Left to the eigenvalue solver, volume and displacement form a Jordan block, whose double zero splits
-into +-sqrt(error): 2e-4 where the matrix itself is good to 1e-8. Instead, the dynamics is
-restricted to disturbances without volume (an invariant subspace, since n^H A = 0) modulo r and t
-(A r = A t = 0): with Q an orthonormal basis of the complement of (n, r, t), the other eigenvalues
+into +-sqrt(error): 2e-4 where the matrix itself is good to 1e-8. Instead, the deflated dynamics is
+restricted to disturbances without volume (an invariant subspace, since n^H A' = 0) modulo r and t
+(A' r = A' t = 0): with Q an orthonormal basis of the complement of (n, r, t), the other eigenvalues
 are those of Q^H A Q.
 """
 
@@ -20,21 +13,7 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Complex, Float
 
-Vectors = Float[np.ndarray, "size count"]
-
-
-@dataclass(frozen=True)
-class NeutralSpace:
-    """Known null vectors of one block: orthonormal right ones, with their names, and the volume."""
-
-    right: Vectors
-    kinds: tuple[str, ...]
-    volume: Float[np.ndarray, " size"] | None
-
-    @property
-    def count(self) -> int:
-        """Number of neutral modes."""
-        return len(self.kinds) + (self.volume is not None)
+from celltrain.stability.neutral import NeutralSpace, deflated
 
 
 @dataclass(frozen=True)
@@ -42,8 +21,9 @@ class BlockSpectrum:
     """Eigenvalues of one block, by falling growth rate, and vectors with left^H right = 1.
 
     `kinds` names the neutral ones ("rotation", "translation", "volume") and is "" for the others;
-    a neutral mode's eigenvalue is the Rayleigh quotient of its known vector. The left null vector
-    of the displacement and the right one of the volume are generalised ones.
+    a neutral mode's eigenvalue is the Rayleigh quotient of its known vector in the deflated block,
+    zero to rounding. The left null vector of the displacement and the right one of the volume are
+    generalised ones. All are those of the deflated block.
     """
 
     eigenvalues: Complex[np.ndarray, " size"]
@@ -53,8 +33,8 @@ class BlockSpectrum:
 
 
 def block_spectrum(block: Complex[np.ndarray, "size size"], neutral: NeutralSpace) -> BlockSpectrum:
-    """Spectrum of A_m(q) with the neutral modes set apart."""
-    volume = neutral.volume
+    """Spectrum of A_m(q) with the neutral modes deflated and set apart."""
+    block, volume = deflated(block, neutral), neutral.volume
     known = [neutral.right] if volume is None else [neutral.right, volume[:, None]]
     removed = np.concatenate(known, axis=1)
     full = scipy.linalg.qr(removed)[0] if neutral.count else np.eye(len(block))

@@ -162,6 +162,8 @@ def transient_growth(
 ) -> TransientGrowth:
     """Transient growth in every block of a train.
 
+        G(t) = max |exp(A t) d|/|d|,     Eq. (a) of the module.
+
     **Arguments:**
 
     - `result`: the linear dynamics; all its azimuthal and wave numbers are looked at.

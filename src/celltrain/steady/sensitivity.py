@@ -1,9 +1,10 @@
 """How a steady train changes with its parameters, exactly.
 
-The steady equations F(a, p) = 0 (see `system`) define the shape a(p), the volume being held:
+The steady equations F(a, p) = 0 (see `system`) define the shape a(p) at the volume V0 of the cell
+at rest, which only the reduced volume changes:
 
-    [ -J   n ] [ da/dp ]   [ dv/dp ]
-    [ n^T  0 ] [   .   ] = [   0   ],
+    [ -J   n ] [ da/dp ]   [ dv/dp  ]
+    [ n^T  0 ] [   .   ] = [ dV0/dp ],
 
 with J and n at the solution and dv/dp at fixed shape and fixed rules (see `Variation`). Cell
 velocity and effective viscosity change along (da/dp, 1). Nothing depends on the viscosity ratio: a
@@ -23,7 +24,7 @@ from jaxtyping import Array, Float
 from celltrain.steady.base import Base
 from celltrain.steady.solve import comes_close
 from celltrain.steady.system import SteadySystem, bordered_matrix, steady_system
-from celltrain.train import PARAMETERS, Variation, check_parameters, variation
+from celltrain.train import Variation, check_parameters, parameters_of, variation
 
 
 @dataclass(frozen=True)
@@ -42,27 +43,28 @@ class BaseSensitivity:
 
 
 def base_sensitivities(
-    base: Base, parameters: Sequence[str] = PARAMETERS
+    base: Base, parameters: Sequence[str] | None = None
 ) -> dict[str, BaseSensitivity]:
-    """Derivatives of a steady train by its parameters, the resting shape being held.
+    """Derivatives of a steady train by its parameters.
 
     They are those of the discrete equations at fixed grids and rules, to rounding (see the module).
 
-    **Arguments:** `parameters`: names among `PARAMETERS`; lengths in r0, moduli in mu U.
+    **Arguments:** `parameters`: names among `PARAMETERS`, all that the train has if not given;
+    lengths in r0, moduli in mu U.
 
     **Raises:** `CaseError` for a parameter that is not allowed.
     """
-    check_parameters(parameters)
-    names = tuple(parameters)
     train = base.train
+    names = parameters_of(train) if parameters is None else tuple(parameters)
+    check_parameters(names, train)
     system = steady_system(train, close=comes_close(train, base.coefficients))
     unknowns = system.unknowns(jnp.asarray(base.coefficients))
+    varied = variation(system.operator, train, names)
     matrix = bordered_matrix(system.state(unknowns), math.inf)
-    varied = variation(system.operator, train)
-    right = rates_by_parameters(system, varied, names, unknowns)
-    padded = np.concatenate([right, np.zeros((len(names), 1))], axis=1)
+    right, volumes = rates_by_parameters(system, varied, names, unknowns)
+    padded = np.concatenate([right, volumes[:, None]], axis=1)
     slopes = np.linalg.solve(matrix, padded.T).T[:, :-1]
-    changes, viscosities = _changes(system, varied, names, unknowns, jnp.asarray(slopes))
+    changes, viscosities, _ = _changes(system, varied, names, unknowns, jnp.asarray(slopes))
     left = np.abs(np.asarray(jax.vmap(system.unknowns)(changes))).max(axis=1)
     size = np.abs(right).max(axis=1)
     found = {}
@@ -83,11 +85,11 @@ def rates_by_parameters(
     varied: Variation,
     names: tuple[str, ...],
     unknowns: Float[Array, " unknown"],
-) -> Float[np.ndarray, "parameter unknown"]:
-    """dv/dp of the steady equations at fixed shape."""
+) -> tuple[Float[np.ndarray, "parameter unknown"], Float[np.ndarray, " parameter"]]:
+    """dv/dp of the steady equations at fixed shape, and dV0/dp."""
     still = jnp.zeros((len(names), unknowns.size))
-    changes, _ = _changes(system, varied, names, unknowns, still)
-    return np.asarray(jax.vmap(system.unknowns)(changes))
+    changes, _, volumes = _changes(system, varied, names, unknowns, still)
+    return np.asarray(jax.vmap(system.unknowns)(changes)), np.asarray(volumes)
 
 
 @eqx.filter_jit
@@ -97,17 +99,24 @@ def _changes(
     names: tuple[str, ...],
     unknowns: Float[Array, " unknown"],
     slopes: Float[Array, "parameter unknown"],
-) -> tuple[Float[Array, "parameter 3 coefficient"], Float[Array, " parameter"]]:
-    """Changes of rates and viscosity along each parameter and its change of the unknowns."""
+) -> tuple[
+    Float[Array, "parameter 3 coefficient"], Float[Array, " parameter"], Float[Array, " parameter"]
+]:
+    """Changes of rates, viscosity and volume at rest along each parameter and its change of the
+    unknowns.
+    """
 
-    def observed(values: Array, unknowns: Array) -> tuple[Array, Array]:
+    def observed(values: Array, unknowns: Array) -> tuple[Array, Array, Array]:
         operator = varied.at(dict(zip(names, values, strict=True)))
         moved, (_, viscosity) = system.rates(operator, unknowns)
-        return moved, viscosity
+        membrane = operator.membrane
+        return moved, viscosity, membrane.volume(membrane.reference_shape)
 
     start = jnp.stack([varied.start[name] for name in names])
 
-    def change(along: Array, slope: Array) -> tuple[Array, Array]:
-        return jax.jvp(observed, (start, unknowns), (along, slope))[1]
+    def change(along: Array, slope: Array) -> tuple[Array, Array, Array]:
+        found: tuple[Array, Array, Array]
+        found = jax.jvp(observed, (start, unknowns), (along, slope))[1]
+        return found
 
     return jax.vmap(change)(jnp.eye(len(names)), slopes)

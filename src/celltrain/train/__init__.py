@@ -19,7 +19,14 @@ from celltrain.train.operator import (
     train_membrane,
     train_operator,
 )
-from celltrain.train.variation import PARAMETERS, Variation, check_parameters, variation
+from celltrain.train.parameters import (
+    PARAMETERS,
+    check_parameters,
+    parameter_value,
+    parameters_of,
+    with_parameter,
+)
+from celltrain.train.variation import Variation, variation
 
 __all__ = [
     "PARAMETERS",
@@ -34,6 +41,8 @@ __all__ = [
     "close_distance",
     "largest_radius",
     "meridian",
+    "parameter_value",
+    "parameters_of",
     "place_cells",
     "rates_error",
     "resting_shapes",
@@ -43,4 +52,5 @@ __all__ = [
     "train_operator",
     "variation",
     "volume_gradient",
+    "with_parameter",
 ]

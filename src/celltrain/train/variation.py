@@ -3,7 +3,8 @@
 A tube's radius R and period L enter through arrays only: the box (2 R + cutoff, 2 R + cutoff, L) of
 the Ewald sums, the places of the wall's points, and the response of the wall, which depends on k R
 ~ R/L alone and is taken to first order. So derivatives by the diameter and the packing are exact
-derivatives of the discrete rates, as those by the moduli are. What they leave out is that a train
+derivatives of the discrete rates, as those by the moduli are, and by the reduced volume, with which
+the resting shape changes (`relaxed_slope`, to first order). What they leave out is that a train
 at other parameters chooses finer or coarser rules, each within its tolerance.
 """
 
@@ -13,45 +14,27 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from celltrain.membrane import Membrane, relaxed_slope, surface_geometry
 from celltrain.membrane.laws import make_law
-from celltrain.parameters import CaseError, Train
+from celltrain.parameters import Train
 from celltrain.train.operator import TrainOperator
-
-#: Parameters of a train by which its rates can be differentiated at fixed shapes.
-PARAMETERS = (
-    "diameter",
-    "packing",
-    "viscosity_ratio",
-    "shear_modulus",
-    "dilatation_modulus",
-    "bending_modulus",
-)
+from celltrain.train.parameters import PARAMETERS, parameter_value
 
 Values = Mapping[str, Float[Array, ""]]
-
-
-def check_parameters(names: Sequence[str]) -> None:
-    """See to it that derivatives by these parameters can be had.
-
-    **Raises:** `CaseError` if not.
-    """
-    for name in names:
-        if name not in PARAMETERS:
-            raise CaseError(
-                f"parameter = {name!r} is not allowed; allowed: {', '.join(PARAMETERS)}"
-            )
 
 
 class Variation(eqx.Module):
     """An operator of a train, as a function of the train's parameters at fixed rules.
 
-    `start` are the values at which it was made, `slope` that of the wall's response.
+    `start` are the values at which it was made, `slope` that of the wall's response, `rest_slope`
+    that of the resting shape with the reduced volume, if that is among the parameters.
     """
 
     operator: TrainOperator
     start: dict[str, Float[Array, ""]]
     law: str = eqx.field(static=True)
     slope: Float[Array, "3 3 m k chebyshev"]
+    rest_slope: Float[Array, "3 coefficient"] | None
 
     def at(self, values: Values) -> TrainOperator:
         """The operator at other values of some parameters, exact to first order about the start.
@@ -61,14 +44,6 @@ class Variation(eqx.Module):
         """
         value = {**self.start, **values}
         tube = self.operator.tube
-        membrane = eqx.tree_at(
-            lambda each: (each.law, each.bending.modulus),
-            self.operator.membrane,
-            (
-                make_law(self.law, value["shear_modulus"], value["dilatation_modulus"]),
-                value["bending_modulus"],
-            ),
-        )
         radius = 0.5 * value["diameter"]
         period = tube.wall.period * self.start["packing"] / value["packing"]
         width = 2.0 * radius + tube.split.cutoff
@@ -78,12 +53,47 @@ class Variation(eqx.Module):
             (jnp.stack([width, width, period]), tube.wall.resized(radius, period, self.slope)),
         )
         return eqx.tree_at(
-            lambda each: (each.membrane, each.tube), self.operator, (membrane, resized)
+            lambda each: (each.membrane, each.tube), self.operator, (self._membrane(value), resized)
+        )
+
+    def _membrane(self, value: Values) -> Membrane:
+        # All moduli are in inverse proportion to the strength of the flow.
+        weaker = self.start["capillary_number"] / value["capillary_number"]
+        membrane = eqx.tree_at(
+            lambda each: (each.law, each.bending.modulus),
+            self.operator.membrane,
+            (
+                make_law(
+                    self.law, weaker * value["shear_modulus"], weaker * value["dilatation_modulus"]
+                ),
+                weaker * value["bending_modulus"],
+            ),
+        )
+        if self.rest_slope is None:
+            return membrane
+        more = value["reduced_volume"] - self.start["reduced_volume"]
+        rest = membrane.reference_shape + more * self.rest_slope
+        return eqx.tree_at(
+            lambda each: (each.reference, each.reference_shape),
+            membrane,
+            (surface_geometry(membrane.tables, rest), rest),
         )
 
 
-def variation(operator: TrainOperator, train: Train) -> Variation:
-    """The operator of a train as a function of its parameters."""
-    start = {name: jnp.asarray(float(train.leaf(name))) for name in PARAMETERS}
-    slope = jnp.asarray(operator.tube.wall.response_slope())
-    return Variation(operator, start, train.cell.law, slope)
+def variation(operator: TrainOperator, train: Train, names: Sequence[str]) -> Variation:
+    """The operator of a train as a function of its parameters, those of `names` at least.
+
+    **Raises:** `CaseError` if it cannot be differentiated by the reduced volume that it has.
+    """
+    named = [name for name in PARAMETERS if name != "reduced_volume" or name in names]
+    start = {name: parameter_value(train, name) for name in named}
+    rest_slope = None
+    if "reduced_volume" in start:
+        rest_slope = jnp.asarray(relaxed_slope(train.resolution.degree, start["reduced_volume"]))
+    return Variation(
+        operator=operator,
+        start={name: jnp.asarray(value) for name, value in start.items()},
+        law=train.cell.law,
+        slope=jnp.asarray(operator.tube.wall.response_slope()),
+        rest_slope=rest_slope,
+    )

@@ -1,0 +1,48 @@
+"""Is the bullet the only steady train? A search from a dozen shapes, by deflation.
+
+Physics. The train that the flow reaches from rest need not be the only one: cells could point the
+other way, or be cups. From every guess Newton's method looks for a steady train with those taken
+out that are known already. Each further one comes with its distance from the known one and with the
+growth rate of its axisymmetric disturbances: one that grows is a train that nobody will see.
+
+Scaling. Lengths in r0, velocities in U, rates in U/r0; tube of diameter 6, packing 0.2, degree 8.
+
+Reference. P. E. Farrell, A. Birkisson and S. W. Funke, SIAM J. Sci. Comput. 37, A2026 (2015).
+
+Run time. About four minutes on two cores.
+
+Command. ``python examples/search.py [FOLDER]``; the table goes to standard output, a picture to
+out/search unless told otherwise. ``celltrain search`` does the same for any case.
+"""
+
+import sys
+from pathlib import Path
+
+from rich.console import Console
+
+from celltrain import Train, steady
+from celltrain.cli.progress import Reporter
+from celltrain.cli.search import print_search
+from celltrain.continuation import SearchTry, search_trains
+from celltrain.pictures import draw_search
+
+TRAIN = Train(diameter=6, packing=0.2, cells=1, degree=8)
+
+
+def main(folder: Path = Path("out/search")) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    output, done = Console(), list[SearchTry]()
+    with Reporter(Console(stderr=True), quiet=False) as reporter:
+        known = steady(TRAIN, progress=reporter.iteration)
+
+        def show(each: SearchTry) -> None:
+            done.append(each)
+            reporter.log(f"try {len(done)}: from {each.guess}: {each.outcome}")
+
+        found = search_trains(known, progress=show)
+    print_search(found, output)
+    output.print(str(draw_search(found, folder / "search.png")), highlight=False)
+
+
+if __name__ == "__main__":
+    main(*(Path(argument) for argument in sys.argv[1:2]))
