@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 from celltrain import Train
 from celltrain.flow import own_surface_rule
 from celltrain.flow.own_surface import OwnSurfaceRule
+from celltrain.flow.sources import UNFOLD
 from celltrain.harmonics import coefficient_index, harmonic_tables, sphere_grid
 from celltrain.train import TrainOperator, resting_shapes, train_operator
 

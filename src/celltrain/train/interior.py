@@ -38,7 +38,8 @@ class InteriorFlow(eqx.Module):
     """K at fixed shapes: each cell's own part as a matrix, and the motions known exactly.
 
     `near` and `free` act on a cell's flattened coefficients, with the near kernel and, nearly, in
-    free space; `rigid` are orthonormal rigid motions, `normal` the direction of the volume's gradient.
+    free space; `rigid` are orthonormal rigid motions, `normal` the direction of the volume's
+    gradient.
     """
 
     near: Float[Array, "cell size size"]
