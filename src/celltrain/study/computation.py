@@ -1,7 +1,7 @@
 """What is done with each case of a study: its steady train, and the stability of that."""
 
-import itertools
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any, Protocol
 
 import jax
@@ -12,8 +12,8 @@ from celltrain.stability import Stability, stability
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.study.definition import Computed
 
-# Cases after which a process forgets its compiled programs.
-CASES_REMEMBERED = 4
+# Memory of a process, in bytes, above which it forgets its compiled programs after a case.
+LARGEST_MEMORY = 2 * 2**30
 
 
 @dataclass(frozen=True)
@@ -74,16 +74,17 @@ class StabilityOfCase:
             return steady(train, start=second)
 
 
-_cases_done = itertools.count(1)
-
-
 def _forget_programs() -> None:
-    """Drop this process's compiled programs now and then: all of them would fill the memory.
+    """Drop this process's compiled programs once it has grown: all of them would fill the memory.
 
     Neighbours in a study mostly share theirs, and each takes about 30 MiB.
     """
-    if next(_cases_done) % CASES_REMEMBERED == 0:
-        jax.clear_caches()
+    if find_spec("psutil") is not None:  # comes with dask.distributed
+        from psutil import Process
+
+        if Process().memory_info().rss < LARGEST_MEMORY:
+            return
+    jax.clear_caches()
 
 
 def values_of(result: Stability) -> dict[str, float]:
