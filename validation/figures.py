@@ -36,16 +36,17 @@ flows may; we cannot tell. At packing 0.7 alpha falls from 0.072 to 0.024 with t
 errors of 0.002 at most, where the paper's one colour says about 0.1. For D = 10 the value of 0.033
 is borne out by [the simulation](breakup.md), which grows at this rate and breaks up at the paper's
 times. At packing 0.2 alpha has its maximum at D = 8, and falls from there as the paper says; at D =
-6 and 7 its error, 0.017 and 0.010, is largest. The leading wave of dense trains is that of two
-cells (j = 4) up to D = 9 or so, then one of 8/3 cells (j = 3), of nearly the same growth rate.""",
+6 and 7 its error, 0.017 and 0.010, is largest. The leading wave at packing 0.7 is that of two cells
+(j = 4) up to D = 7, then one of 8/3 cells: at D = 10 alpha is 0.033 for j = 3 and 0.029 for j = 4.""",
     "fig8": """
-Where we differ. eta rises with the packing everywhere above 0.25, by 2.4 to 2.7 from 0.2 to 0.7, but
-falls with the diameter at a given packing, by 4 to 17 per cent. So it varies by 2.8, not by four,
-and is largest in the narrowest tube. Its value is no property of the train alone: in the
-paper's norm it rises without bound with the number of harmonics ([norms](norms.md)), and the
-wavelength of the disturbance that grows fastest at first hardly matters, since it is local to each
-cell: the values of the waves j differ by per cents. That is why the paper's waves are not found
-again, while the contours are where it has them.""",
+Where we differ. eta rises with the packing at every diameter, by a factor of 2.4 to 2.7 from 0.2 to
+0.7, but falls with the diameter at every packing, by 4 to 20 per cent. So it varies by 2.8, not by
+four, and is largest in the narrowest tube; the paper's contours are within the map. The disturbance
+that grows fastest at first is alike in all cells or nearly so: at D = 10, packing 0.7, eta is 47.0,
+45.8, 40.8, 32.4, 28.8 for m = 1 and j = 0 to 4, and 37.9, 36.5, 28.3, 25.1, 24.9 for m = 0. In this
+norm eta rises without bound with the number of harmonics ([norms](norms.md)), so which disturbance
+is first, and by how much, depends on the discretisation: we think that this is why the paper's
+waves of two and four cells are not found again, but have not shown it.""",
 }
 
 
