@@ -37,7 +37,7 @@ errors of 0.002 at most, where the paper's one colour says about 0.1. For D = 10
 is borne out by [the simulation](breakup.md), which grows at this rate and breaks up at the paper's
 times. At packing 0.2 alpha has its maximum at D = 8, and falls from there as the paper says; at D =
 6 and 7 its error, 0.017 and 0.010, is largest. The leading wave at packing 0.7 is that of two cells
-(j = 4) up to D = 7, then one of 8/3 cells: at D = 10 alpha is 0.033 for j = 3 and 0.029 for j = 4.""",
+(j = 4) up to D = 7, then one of 8/3 cells: at D = 10 alpha is 0.033 for j = 3, 0.029 for j = 4.""",
     "fig8": """
 Where we differ. eta rises with the packing at every diameter, by a factor of 2.4 to 2.7 from 0.2 to
 0.7, but falls with the diameter at every packing, by 4 to 20 per cent. So it varies by 2.8, not by
