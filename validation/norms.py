@@ -109,8 +109,8 @@ def statement(found: dict[int, dict[str, Measures]]) -> str:
         parts.append(f"M^{power:.2f} ({name})")
     return (
         f"Between M = {first} and {last} the initial growth rate changes as {', '.join(parts)}."
-        " Where it keeps rising, finer disturbances rise faster at first, but get no further: they are"
-        " gone the sooner. By strain, fine disturbances are large to begin with."
+        " Where it keeps rising, finer disturbances rise faster at first, but get no further: they"
+        " are gone the sooner. By strain, fine disturbances are large to begin with."
     )
 
 
