@@ -55,8 +55,8 @@ def steady(
     **Arguments:**
 
     - `train`: what to compute; the number of cells does not matter here.
-    - `start`: a solution at other parameters, followed to these ones: its shape is the first guess,
-      with the resting shape of `train` unchanged. Its degree may differ.
+    - `start`: a solution at other parameters, followed to these ones: its displacement from its own
+      shape at rest is the first guess for that from the one of `train`. Its degree may differ.
     - `tolerance`: bound on the residual, in U. 1e-9 is reached in all cases tried; what remains
       then is the roundoff of the sums.
     - `estimate_error`: estimate the velocity's error with finer rules (else it is not a number).
@@ -98,7 +98,7 @@ def _find(
         train, close=start is not None and comes_close(train, start.coefficients)
     )
     rest = np.asarray(system.operator.membrane.reference_shape)
-    guess = rest if start is None else change_degree(start.coefficients, train.resolution.degree)
+    guess = rest if start is None else _carried(start, rest)
     target_volume = float(system.operator.membrane.volume(jnp.asarray(rest)))
     unknowns = np.array(system.unknowns(jnp.asarray(guess)))
     state = system.state(jnp.asarray(unknowns))
@@ -152,6 +152,19 @@ def _find(
     if start is not None:
         origin = f"continuation from {describe_change(start.train, train)}"
     return describe(system, train, unknowns, state, tuple(history), origin), converged
+
+
+def _carried(
+    start: Base, rest: Float[np.ndarray, "3 coefficient"]
+) -> Float[np.ndarray, "3 coefficient"]:
+    """The shape of a train, moved by what its cell at rest differs from another one.
+
+    That brings it nearly to the other cell's volume, which steps, however short, make up at once.
+    """
+    degree = math.isqrt(rest.shape[-1])
+    before = resting_shape(start.train.cell, start.train.resolution.degree)
+    moved = rest - change_degree(before, degree)
+    return change_degree(start.coefficients, degree) + moved
 
 
 def comes_close(train: Train, shape: Float[np.ndarray, "3 coefficient"]) -> bool:
