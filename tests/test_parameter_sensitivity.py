@@ -166,7 +166,7 @@ def test_the_flow_acts_on_all_moduli(
     by_moduli = -sum(entries[name].relative for name in MODULI)
     assert_allclose(entries["capillary_number"].relative, by_moduli, rtol=1e-9)
     with pytest.raises(CaseError, match="capillary_number = -1"):
-        with_parameter(before, "capillary_number", -1.0)
+        with_parameter(train, "capillary_number", -1.0)
 
 
 def test_operators_vary_as_they_are_made_anew(sharp_base: Base) -> None:

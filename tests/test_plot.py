@@ -53,7 +53,7 @@ def run(make_base) -> Run:
             rates=still,
             direction=still,
             **dict.fromkeys(("steps", "rejected", "evaluations", "radius_age"), 4),
-            **dict.fromkeys(("step", "last_step", "last_error", "radius", "wall_gap"), 0.5),
+            **dict.fromkeys(("step", "last_step", "last_error", "radius", "gap", "wall_gap"), 0.5),
             time=2.5,
         ),
         ending=Ending("running", "not ended yet"),
