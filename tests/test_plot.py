@@ -11,7 +11,7 @@ from celltrain import Base, Run, save
 from celltrain.cli import main
 from celltrain.cli import plot as plot_command
 from celltrain.diagnostics import frame
-from celltrain.evolution import Ending, ForwardEuler
+from celltrain.evolution import Ending, ForwardEuler, Repulsion
 from celltrain.evolution.archive import Archive
 from celltrain.evolution.quantities import STEP_QUANTITIES
 from celltrain.evolution.recompute import FrameProgress
@@ -39,6 +39,7 @@ def run(make_base) -> Run:
         disturbance="made up",
         growth_rate=0.5,
         integrator=ForwardEuler(0.625),
+        repulsion=Repulsion(),
         every=1.0,
         until=50.0,
         history=history,
