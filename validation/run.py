@@ -5,7 +5,7 @@
 
 Every study writes a page and a figure into docs/validation and states what is expected. Without
 names all of them run, which takes about an hour on two cores, but for those that take hours:
-`breakup` runs when it is named.
+`breakup` and `boundary` run when they are named.
 """
 
 import argparse
@@ -34,7 +34,7 @@ import viscosity
 HERE = Path(__file__).resolve().parent
 REFERENCE = HERE.parents[1] / "shared" / "reference"
 # Studies that only run when they are named.
-ON_REQUEST = ("breakup",)
+ON_REQUEST = ("breakup", "boundary")
 
 
 def main() -> None:
