@@ -91,20 +91,25 @@ def single(coarse_base: Base) -> Base:
     return replace(coarse_base, train=coarse_base.train.changed(cells=1))
 
 
-@pytest.mark.parametrize(("parameter", "to"), [("capillary_number", 1.0), ("reduced_volume", 0.72)])
-def test_a_branch_consists_of_steady_trains(single: Base, parameter: str, to: float) -> None:
-    found = branch(single, parameter, to=to, steps=Steps(first=0.08, largest=0.12))
+@pytest.mark.parametrize(
+    ("parameter", "to", "largest"),
+    [("shear_modulus", 1.6, 0.15), ("capillary_number", 1.0, 0.1), ("reduced_volume", 0.72, 0.1)],
+)
+def test_a_branch_consists_of_steady_trains(
+    single: Base, parameter: str, to: float, largest: float
+) -> None:
+    found = branch(single, parameter, to=to, steps=Steps(first=largest / 1.5, largest=largest))
     assert found.ending.kind == "reached"
     values = [point.value for point in found.points]
     first = parameter_value(single.train, parameter)
-    assert len(values) >= 3
+    assert len(values) >= 4
     assert (np.diff(values) > 0.0).all()
-    assert_allclose([values[0], values[-1]], [first, to], rtol=1e-9)
+    assert_allclose([values[0], values[-1]], [first, to], rtol=1e-14)
     assert found.folds == ()
     for point in found.points:
         assert point.base.residual < 1e-9
         assert parameter_value(point.base.train, parameter) == pytest.approx(point.value, rel=1e-14)
-    inside = found.points[1].base
+    inside = found.points[2].base
     again = steady(inside.train, start=single, estimate_error=False)
     assert_allclose(inside.coefficients, again.coefficients, rtol=0, atol=1e-8)
     assert_allclose(inside.cell_velocity, again.cell_velocity, rtol=0, atol=1e-9)

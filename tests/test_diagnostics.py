@@ -301,7 +301,7 @@ def test_distance_of_nested_cells_is_that_of_dense_points(cell: Membrane) -> Non
     values = np.asarray(cell.tables.value)
     here, there = values @ shapes[0].T, values @ shapes[1].T
     dense = min(float(np.linalg.norm(there - point, axis=1).min()) for point in here)
-    assert found[0] == pytest.approx(found[1], abs=1e-8)
+    assert found[0] == pytest.approx(found[1], abs=1e-9)
     assert dense - 0.05 < found[0] <= dense
 
 

@@ -160,6 +160,25 @@ def test_a_disturbance_from_the_file_of_a_run(whole: Run, whole_path: Path) -> N
     assert_array_equal(FromFile(whole_path).shapes(whole.start), whole.disturbances[-1])
 
 
+@pytest.mark.usefixtures("whole")
+@pytest.mark.parametrize("missing", ["state_gap", "coefficients", "repulsion"])
+def test_a_file_of_another_version_says_so(
+    whole_path: Path, tmp_path: Path, missing: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = xr.load_dataset(whole_path, engine="h5netcdf", decode_times=False)
+    data.attrs["celltrain_version"] = "0.0.7"
+    path = tmp_path / "old.nc"
+    data.attrs.pop(missing, None)
+    data.drop_vars(missing, errors="ignore").to_netcdf(path, engine="h5netcdf")
+    before = path.read_bytes()
+    with pytest.raises(OSError, match=rf"by celltrain 0\.0\.7 and lacks.*{missing}"):
+        Run.load(path)
+    for words in (["plot", str(path)], ["evolve", "--resume", "-o", str(path)]):
+        assert main(words) == 2
+        assert f"'{path}' was written by celltrain 0.0.7" in capsys.readouterr().err
+    assert path.read_bytes() == before
+
+
 def test_results_that_are_no_simulations(single, tmp_path: Path) -> None:
     path = tmp_path / "base.nc"
     save(single, path)

@@ -183,14 +183,15 @@ def test_operators_vary_as_they_are_made_anew(sharp_base: Base) -> None:
         start = varied.start[name]
         assert_allclose(rates(varied.at({name: start})), rates(varied.operator), atol=1e-14)
         errors = []
-        for step in (2e-3, 1e-3):
+        # The resting shape bends most with its parameter.
+        for step in (2e-4, 1e-4) if name == "reduced_volume" else (2e-3, 1e-3):
             changed = train.changed(**{name: float(start * (1 + step))})
             anew = train_operator(changed, meridian=True)
             assert anew.tube.wall.response.shape == varied.operator.tube.wall.response.shape
             errors.append(np.abs(rates(anew) - rates(varied.at({name: start * (1 + step)}))).max())
         change = np.abs(rates(anew) - rates(varied.operator)).max()
         assert change > 1e-5
-        assert errors[1] < 5e-2 * change
+        assert errors[1] < 1e-2 * change
         assert errors[1] < 1e-12 or errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
 
 

@@ -8,13 +8,11 @@ lost; 130: interrupted.
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
-from pathlib import Path
-from typing import Annotated
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import App, CycloptsError
 from rich.console import Console
 
-from celltrain.cli.arguments import CaseFile, Json, Plot, Quiet, Start
+from celltrain.cli.arguments import CaseFile, Json, Output, Plot, Quiet, Start
 from celltrain.cli.branch import branch
 from celltrain.cli.compute import Request, run
 from celltrain.cli.evolve import evolve
@@ -40,11 +38,6 @@ app = App(
     result_action="return_value",
     suppress_keyboard_interrupt=False,
 )
-
-Output = Annotated[
-    Path | None,
-    Parameter(name=("--output", "-o"), help="netCDF file for the result; replaced if it exists."),
-]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

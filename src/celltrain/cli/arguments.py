@@ -11,6 +11,10 @@ CaseFile = Annotated[Path | None, Parameter(help="TOML file of the case; options
 Json = Annotated[bool, Parameter(help="Print one JSON object and nothing else.", negative=())]
 Quiet = Annotated[bool, Parameter(help="No progress on standard error.", negative=())]
 Plot = Annotated[Path | None, Parameter(help="Folder for pictures; made if it is not there.")]
+Output = Annotated[
+    Path | None,
+    Parameter(name=("--output", "-o"), help="netCDF file for the result; replaced if it exists."),
+]
 Start = Annotated[
     Path | None,
     Parameter(

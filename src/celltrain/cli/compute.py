@@ -120,7 +120,7 @@ def read_start(path: Path) -> Base:
         raise CaseError(f"start = {str(path)!r} cannot be read: there is no such file")
     try:
         result = load(path)
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError) as error:
         raise CaseError(f"start = {str(path)!r} is no result of celltrain: {error}") from None
     return result if isinstance(result, Base) else result.base
 

@@ -248,7 +248,7 @@ def _start(
     if source is not None and source.suffix == ".nc":
         try:
             known = load(source)
-        except (OSError, ValueError, KeyError) as error:
+        except (OSError, ValueError) as error:
             raise CaseError(f"{str(source)!r} is no result of celltrain: {error}") from None
     base = known.base if isinstance(known, Stability) else known
     if base is None:

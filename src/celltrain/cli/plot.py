@@ -94,13 +94,13 @@ def read_result(path: Path) -> Base | Stability | Run:
         raise CaseError(f"{str(path)!r} cannot be drawn: there is no such file")
     try:
         found = load(path)
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError) as error:
         raise CaseError(f"{str(path)!r} is no result of celltrain: {error}") from None
     try:
         return Run.load(path)
     except ValueError:
         return found
-    except (OSError, KeyError) as error:
+    except OSError as error:
         raise CaseError(f"the simulation in {str(path)!r} cannot be read: {error}") from None
 
 

@@ -1,20 +1,15 @@
 """The command for linear stability: ``celltrain stability``, of N cells or of an infinite train."""
 
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from celltrain.cli.arguments import CaseFile, Json, Numbers, Plot, Quiet, Start
+from celltrain.cli.arguments import CaseFile, Json, Numbers, Output, Plot, Quiet, Start
 from celltrain.cli.compute import Request, run
 from celltrain.cli.infinite import run_infinite
 from celltrain.cli.options import CaseOptions, given_leaves, reader
 from celltrain.parameters import CaseError
 
-Output = Annotated[
-    Path | None,
-    Parameter(name=("--output", "-o"), help="netCDF file for the result; replaced if it exists."),
-]
 ErrorBars = Annotated[
     int | None,
     Parameter(

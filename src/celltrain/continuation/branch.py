@@ -27,6 +27,7 @@ from celltrain.continuation.arclength import (
 )
 from celltrain.continuation.equations import UNIT, evaluate_steady, to_unknowns
 from celltrain.parameters import CaseError, Train
+from celltrain.programs import forget_many_programs
 from celltrain.stability import Stability
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.steady.sensitivity import rates_by_parameters
@@ -242,6 +243,7 @@ def _equations(parameter: str, first: float) -> Callable[[Unknowns, Base], Evalu
             varied = variation(system.operator, train, names)
         except CaseError as error:
             raise NoSolution(str(error)) from None
+        forget_many_programs()
         origin = f"branch along {parameter} from {first:g}"
         found = evaluate_steady(system, train, np.delete(unknowns, -2), origin)
         amounts = jnp.asarray(UNIT * unknowns[:-2])

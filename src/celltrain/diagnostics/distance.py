@@ -19,10 +19,10 @@ from jaxtyping import Array, Float, Int
 from scipy.spatial import cKDTree
 
 from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
-from celltrain.harmonics import real_harmonics, sphere_grid
+from celltrain.harmonics import real_harmonics, sphere_grid, unit_vectors
 
 # Patches, each finer than the last one by this factor; nodes of one from its middle to its edge.
-LEVELS = 9
+LEVELS = 10
 FINER = 0.4
 REACH = 2
 # Points of the grid whose distances from the nearest other surface are found for each cell.
@@ -50,18 +50,11 @@ def _grid(degree: int) -> _Grid:
     angles = np.stack(grid.points(), axis=-1)
     return _Grid(
         angles=angles,
-        directions=_direction(*angles.T),
+        directions=unit_vectors(*angles.T),
         values=np.asarray(grid.values),
         spacing=np.pi / order,
         method=nearest_point(degree),
     )
-
-
-def _direction(
-    theta: float | Float[np.ndarray, " point"], phi: float | Float[np.ndarray, " point"]
-) -> Float[np.ndarray, "*point 3"]:
-    sine = np.sin(theta)
-    return np.stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)], axis=-1)
 
 
 def wall_distance(shapes: Shapes, radius: float) -> Float[np.ndarray, " cell"]:
@@ -102,7 +95,7 @@ def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
         )
         best = int(np.argmin(np.abs(found.distance)))
         ours[cell] = grid.directions[these[best]]
-        theirs[cell] = _direction(float(found.theta[best]), float(found.phi[best]))
+        theirs[cell] = unit_vectors(float(found.theta[best]), float(found.phi[best]))
     smallest = np.zeros(len(shapes))
     for level in range(LEVELS):
         size = grid.spacing * FINER ** (level + 1)

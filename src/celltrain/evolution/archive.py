@@ -22,7 +22,9 @@ from celltrain.evolution.repulsion import Repulsion
 from celltrain.evolution.run import Run
 from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
 from celltrain.evolution.state import State
-from celltrain.results import dataset, load, replace_file
+from celltrain.results import complete, dataset, load, replace_file
+from celltrain.stability import Stability
+from celltrain.steady import Base
 
 INTEGRATORS: dict[str, type[Integrator]] = {
     method.__name__: method for method in (RungeKuttaChebyshev, ForwardEuler)
@@ -91,13 +93,20 @@ def _variable(name: str, value: Any) -> xr.Variable:
 def load_run(path: Path) -> Run:
     """Read a simulation's file.
 
-    **Raises:** `OSError` if it cannot be read, `ValueError` if it holds no simulation.
+    **Raises:** `OSError` if it cannot be read or lacks what this version needs, `ValueError` if it
+    holds no simulation.
     """
     start = load(path)
     with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
         data.load()
     if "ending" not in data.attrs:
         raise ValueError(f"{str(path)!r} is a result of celltrain, but holds no simulation")
+    with complete(path, data):
+        return _run(start, data)
+
+
+def _run(start: Base | Stability, data: xr.Dataset) -> Run:
+    """The simulation in a file's data; `KeyError` if something is missing."""
     settings = json.loads(data.attrs["integrator"])
     state: dict[str, Any] = {
         name.removeprefix("state_"): data[name].values

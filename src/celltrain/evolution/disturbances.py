@@ -153,7 +153,7 @@ class FromFile(Disturbance):
                 change = np.load(self.path, allow_pickle=False)
             else:
                 change = Run.load(self.path).disturbances[-1]
-        except (OSError, ValueError, KeyError) as error:
+        except (OSError, ValueError) as error:
             raise CaseError(f"disturbance {str(self.path)!r} cannot be read: {error}") from None
         if change.shape != wanted or not np.isfinite(change).all() or not np.any(change):
             raise CaseError(

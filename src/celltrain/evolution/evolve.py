@@ -140,7 +140,7 @@ def resume(
     path = Path(path)
     try:
         run = load_run(path)
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError) as error:
         raise CaseError(f"{str(path)!r} cannot be gone on from: {error}") from None
     if until is not None:
         if not until >= run.times[-1]:

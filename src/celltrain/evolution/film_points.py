@@ -16,7 +16,7 @@ from jaxtyping import Array, Bool, Float, Int
 from scipy.spatial import cKDTree
 
 from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
-from celltrain.harmonics import harmonic_tables, real_harmonics, sphere_grid
+from celltrain.harmonics import harmonic_tables, real_harmonics, sphere_grid, unit_vectors
 
 Shapes = Float[np.ndarray, "cell 3 coefficient"]
 Points = Float[np.ndarray, "point 3"]
@@ -231,7 +231,7 @@ def film_grid(degree: int) -> FilmGrid:
     coarse, fine = sphere_grid(degree, COARSE * degree), sphere_grid(degree, FINE * degree)
     angles = np.stack(fine.points(), axis=-1)
     tables = harmonic_tables(degree, *fine.points())
-    parent = cKDTree(_directions(*coarse.points())).query(_directions(*fine.points()))[1]
+    parent = cKDTree(unit_vectors(*coarse.points())).query(unit_vectors(*fine.points()))[1]
     return FilmGrid(
         degree=degree,
         coarse=np.asarray(coarse.values),
@@ -241,13 +241,6 @@ def film_grid(degree: int) -> FilmGrid:
         parent=np.asarray(parent),
         method=nearest_point(degree),
     )
-
-
-def _directions(
-    theta: Float[np.ndarray, " point"], phi: Float[np.ndarray, " point"]
-) -> Float[np.ndarray, "point 3"]:
-    sine = np.sin(theta)
-    return np.stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)], axis=-1)
 
 
 @eqx.filter_jit

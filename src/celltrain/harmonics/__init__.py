@@ -9,7 +9,7 @@ from celltrain.harmonics.basis import (
     shift_longitude,
     unshift_longitude,
 )
-from celltrain.harmonics.grid import SphereGrid, sphere_grid
+from celltrain.harmonics.grid import SphereGrid, sphere_grid, unit_vectors
 from celltrain.harmonics.polar import (
     PolarTables,
     about_pole,
@@ -36,5 +36,6 @@ __all__ = [
     "shift_longitude",
     "sphere_grid",
     "turn_longitude",
+    "unit_vectors",
     "unshift_longitude",
 ]

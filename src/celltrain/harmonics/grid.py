@@ -34,6 +34,14 @@ class SphereGrid(eqx.Module):
         return theta.ravel(), phi.ravel()
 
 
+def unit_vectors(
+    theta: float | Float[np.ndarray, " *point"], phi: float | Float[np.ndarray, " *point"]
+) -> Float[np.ndarray, "*point 3"]:
+    """Points of the unit sphere at colatitudes and longitudes."""
+    sine = np.sin(theta)
+    return np.stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)], axis=-1)
+
+
 def sphere_grid(degree: int, order: int) -> SphereGrid:
     """Grid of `order` rings with 2 * order azimuths, with the harmonics below `degree`."""
     nodes, gauss = np.polynomial.legendre.leggauss(order)

@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.harmonics.basis import degrees_and_orders, real_harmonics
-from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.grid import sphere_grid, unit_vectors
 
 
 def turn_longitude(
@@ -75,7 +75,7 @@ def pole_rotation(degree: int) -> PoleRotation:
     grid = sphere_grid(degree, degree)
     theta, phi = grid.points()
     # Values at Q u, Q (x, y, z) = (x, z, -y): the pole z comes to y.
-    x, y, z = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
+    x, y, z = unit_vectors(theta, phi).T
     turned = real_harmonics(degree, np.arctan2(np.hypot(x, z), -y), np.arctan2(z, x))
     n, _ = degrees_and_orders(degree)
     quarter = np.asarray(grid.projection) @ turned

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import real_harmonics, sphere_grid
+from celltrain.harmonics import real_harmonics, sphere_grid, unit_vectors
 from celltrain.parameters.reference_shape import BICONCAVE_PROFILE, BICONCAVE_RADIUS
 
 
@@ -22,7 +22,7 @@ def _biconcave(theta: np.ndarray, phi: np.ndarray) -> np.ndarray:
 
 
 def _sphere(theta: np.ndarray, phi: np.ndarray) -> np.ndarray:
-    return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+    return unit_vectors(theta, phi).T
 
 
 SHAPES = {"biconcave": _biconcave, "sphere": _sphere}

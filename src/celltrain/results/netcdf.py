@@ -1,7 +1,8 @@
 """Results as one self-describing netCDF4 file, and back, bit for bit."""
 
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
@@ -65,7 +66,7 @@ def load(path: str | Path) -> Base | Stability:
     """Read a result that :func:`save` wrote.
 
     Raises:
-        OSError: if the file cannot be read.
+        OSError: if the file cannot be read, or lacks what this version needs.
         ValueError: if it is not a file of this package.
     """
     with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
@@ -73,8 +74,27 @@ def load(path: str | Path) -> Base | Stability:
     kind = data.attrs.get("kind")
     if kind not in ("base", "stability") or "case" not in data.attrs:
         raise ValueError(f"{str(path)!r} is a netCDF file, but holds no result of celltrain")
-    base = _read_base(data)
-    return base if kind == "base" else _read_stability(data, base)
+    with complete(path, data):
+        base = _read_base(data)
+        return base if kind == "base" else _read_stability(data, base)
+
+
+@contextmanager
+def complete(path: str | Path, data: xr.Dataset) -> Iterator[None]:
+    """Say of what a file lacks that it comes from another version.
+
+    Raises:
+        OSError: if something is missing from the data that are read meanwhile.
+    """
+    try:
+        yield
+    except KeyError as error:
+        missing = str(error.args[0]).split(". ")[0]
+        writer = data.attrs.get("celltrain_version", "of another version")
+        raise OSError(
+            f"{str(path)!r} was written by celltrain {writer} and lacks what celltrain {version()}"
+            f" needs ({missing}); it has to be computed anew"
+        ) from None
 
 
 def dataset(result: Base | Stability) -> xr.Dataset:

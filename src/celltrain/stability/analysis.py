@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from celltrain.parameters import CaseError, Train
+from celltrain.programs import forget_many_programs
 from celltrain.runtime import timed
 from celltrain.stability.linearise import Blocks, Progress, linear_blocks
 from celltrain.stability.neutral import neutral_space
@@ -61,6 +62,7 @@ def stability(
 
     **Raises:** `CaseError` for an azimuthal number out of range.
     """
+    forget_many_programs()
     begin = time.perf_counter()
     train = base.train
     degree, cells = train.resolution.degree, train.cells

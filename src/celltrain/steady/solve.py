@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from celltrain.membrane import resting_shape
 from celltrain.parameters import Train
+from celltrain.programs import forget_many_programs
 from celltrain.runtime import timed
 from celltrain.steady.base import Base, Iteration, NotConverged
 from celltrain.steady.system import State, SteadySystem, bordered_step, steady_system
@@ -68,6 +69,7 @@ def steady(
     cells would overlap are not taken. `CaseError` if the tube has no room for the cells at rest,
     which for cells of another reduced volume is only known here.
     """
+    forget_many_programs()
     seconds: dict[str, float] = {}
     with timed(seconds, "base"):
         base, converged = _find(train, start, tolerance, max_iterations, progress)

@@ -1,19 +1,13 @@
 """What is done with each case of a study: its steady train, and the stability of that."""
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any, Protocol
-
-import jax
 
 from celltrain.diagnostics import mode_motion
 from celltrain.parameters import CaseError, Train
 from celltrain.stability import Stability, stability
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.study.definition import Computed
-
-# Memory of a process, in bytes, above which it forgets its compiled programs after a case.
-LARGEST_MEMORY = 2 * 2**30
 
 
 @dataclass(frozen=True)
@@ -57,11 +51,8 @@ class StabilityOfCase:
 
         **Raises:** `NotConverged` or `CaseError` if no steady train was found.
         """
-        try:
-            base = self._steady(train, start)
-            result = stability(base, estimate_error=self.computed.estimate_error)
-        finally:
-            _forget_programs()
+        base = self._steady(train, start)
+        result = stability(base, estimate_error=self.computed.estimate_error)
         return Outcome(base, values_of(result))
 
     def _steady(self, train: Train, start: Base | None) -> Base:
@@ -72,19 +63,6 @@ class StabilityOfCase:
             if start is None:
                 raise
             return steady(train, start=second)
-
-
-def _forget_programs() -> None:
-    """Drop this process's compiled programs once it has grown: all of them would fill the memory.
-
-    Neighbours in a study mostly share theirs, and each takes about 30 MiB.
-    """
-    if find_spec("psutil") is not None:  # comes with dask.distributed
-        from psutil import Process
-
-        if Process().memory_info().rss < LARGEST_MEMORY:
-            return
-    jax.clear_caches()
 
 
 def values_of(result: Stability) -> dict[str, float]:
