@@ -4,8 +4,8 @@
     python validation/run.py breakup --simulate NAME
 
 Every study writes a page and a figure into docs/validation and states what is expected. Without
-names all of them run, which takes about an hour on two cores, but for those that take hours:
-`breakup` and `boundary` run when they are named.
+names all of them run, which takes about an hour and a half on two cores, but for `breakup`, which
+takes hours and runs when it is named.
 """
 
 import argparse
@@ -33,8 +33,8 @@ import viscosity
 
 HERE = Path(__file__).resolve().parent
 REFERENCE = HERE.parents[1] / "shared" / "reference"
-# Studies that only run when they are named.
-ON_REQUEST = ("breakup", "boundary")
+# What only runs when it is named.
+ON_REQUEST = ("breakup",)
 
 
 def main() -> None:
