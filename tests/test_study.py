@@ -29,6 +29,7 @@ from celltrain.study import (
     table,
 )
 from celltrain.study.collect import NUMBERS
+from celltrain.study.engine import compute_case
 
 GRID = {
     "case": {"cells": 2, "degree": 6},
@@ -74,6 +75,19 @@ def cheap(make_base) -> Cheap:
 def run(study: Study, folder: Path, computation: Cheap, **options):
     with ThreadPoolExecutor(1) as executor:
         return run_study(study, folder, computation, executor, lambda: 1, **options)
+
+
+def test_a_case_given_out_twice_is_computed_once(cheap: Cheap, tmp_path: Path) -> None:
+    # Its first worker died after it was kept, before anybody had fetched the answer.
+    train = Train(diameter=6, packing=0.2, cells=2, degree=6)
+    record = compute_case(cheap, tmp_path, train, None)
+    assert compute_case(cheap, tmp_path, train, None) == record
+    assert len(cheap.calls) == 1
+    # One that failed may be tried again.
+    other = train.changed(diameter=7.0)
+    broken = replace(cheap, failing=(7.0,))
+    assert [compute_case(broken, tmp_path, other, None).status for _ in range(2)] == ["failed"] * 2
+    assert compute_case(cheap, tmp_path, other, None).status == "finished"
 
 
 def test_a_study_file_is_a_grid_of_cases(tmp_path: Path) -> None:

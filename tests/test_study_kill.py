@@ -252,4 +252,4 @@ def test_a_killed_scheduler_and_memory_running_out_lose_only_what_runs(
     again = [float(each) for each, _ in started(tmp_path)[len(before) :]]
     assert not set(again) & set(kept)
     assert again.count(left[0]) == 2
-    assert all(again.count(d) == 1 for d in left[1:]), started(tmp_path)
+    assert all(again.count(d) == 1 for d in left[1:]), str((len(before), started(tmp_path)))

@@ -46,6 +46,11 @@ def compute_case(
     """Compute a case and keep what comes of it, in a worker; `start` is a finished case."""
     store = Store(folder, computation.settings)
     with _own_locks():
+        # A worker that dies takes its last answer along, if nobody has fetched it yet; the case is
+        # then given to another one, though it is finished.
+        record = store.record(train)
+        if record is not None and record.status == "finished":
+            return record
         try:
             base = None if start is None else _readable_base(store, start)
             return store.finish(train, computation(train, base))
