@@ -74,6 +74,12 @@ CASES = (
     Case("command", "the whole command", 3, 45.0),
 )
 
+# Stages whose times are compared: what for, with it and without it, at most how much.
+RATIOS = (
+    ("viscosity ratio 5", "viscous", "evaluation", 4.0),
+    ("close rule", "dense.close", "dense.ordinary", 2.0),
+)
+
 
 def measure_stage(case: Case, runs: int) -> dict[str, float]:
     """Run a stage in a process of its own."""
@@ -184,6 +190,16 @@ def report(measurements: list[tuple[Case, dict[str, float]]]) -> Table:
     return table
 
 
+def ratios(measurements: list[tuple[Case, dict[str, float]]]) -> list[str]:
+    """What the viscosity ratio and the close rule cost, of those that were measured."""
+    seconds = {case.name: measured["seconds"] for case, measured in measurements}
+    return [
+        f"{name}: {seconds[with_it] / seconds[without]:.2g} times as much (aim: {aim:g})"
+        for name, with_it, without, aim in RATIOS
+        if {with_it, without} <= set(seconds)
+    ]
+
+
 def _colored(text: str, bad: bool) -> str:
     return f"[red]{text}[/red]" if bad else text
 
@@ -211,6 +227,8 @@ def main() -> None:
     output = Console()
     output = output if output.is_terminal else Console(width=110)
     output.print(report(measurements))
+    for line in ratios(measurements):
+        output.print(line, highlight=False)
 
 
 if __name__ == "__main__":
