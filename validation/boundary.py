@@ -132,7 +132,7 @@ def checks(page: Page, sparse: StabilityBoundary, start: Base) -> None:
 The slope is steep at D = 6 because a second tilt of the same wave number is near: at packing
 0.3908, 0.0008 beyond the boundary, two real eigenvalues meet, and from there on they are a pair
 of complex ones whose rate falls by 0.03 per unit of packing only (-0.0017 U/r0 at 0.391 and
--0.0018 at 0.394). Towards that point the slope grows as the square root of the distance falls:
+-0.0018 at 0.394). Towards that point the slope grows like one over the root of the distance:
 -0.454, -0.581, -0.713, -1.067 at packing 0.386, 0.388, 0.389, 0.39005. So the differences are
 taken over a small step."""
     )
