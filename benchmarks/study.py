@@ -76,6 +76,8 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=2, help="runs with each number of workers")
     parser.add_argument("--kept", type=Path, help="folder of programs compiled in earlier runs")
     options = parser.parse_args()
+    if options.kept is not None and not any(options.kept.glob("*-cache")):
+        parser.error(f"--kept {options.kept}: there are no compiled programs")
     seconds: dict[tuple[int, str], list[tuple[float, float]]] = defaultdict(list)
 
     def run(count: int, programs: Path, kind: str) -> None:

@@ -50,29 +50,32 @@ waves of two and four cells are not found again, but have not shown it.""",
     "fig13": """
 Where we differ. eta falls with the viscosity ratio at every packing, to 0.87 of its value in
 sparse trains and to 0.56 in dense ones: half of it at the dense end only. alpha at ratio 5 is
-within 7 per cent of that at ratio 1 up to packing 0.3, as the paper says, and in dense trains
-1.25 to 1.5 times as large at D = 8, but at D = 12 the same to 4 per cent, where the paper has a
+within 7 per cent of that at ratio 1 up to packing 0.3, as the paper says, and from 0.6 on 1.25
+to 1.53 times as large at D = 8, but at D = 12 the same to 4 per cent, where the paper has a
 factor of four. The base flow does not depend on the ratio, and an own double layer that is not
 exact for rigid motions adds growth in proportion to its error ([viscosity](viscosity.md)): that
-may be where the factor comes from. In the valley (packing 0.45 to 0.55) the leading modes are
-axisymmetric and the same at both.""",
+may be where the factor comes from. In the valley (packing 0.45 to 0.55 at D = 8, 0.5 and 0.55
+at D = 12) the leading modes are axisymmetric and the same at both ratios.""",
     "fig16": """
 Where we differ. At packing 0.2 the tilt common to all cells is damped by the flow much more
-than the paper says: at D = 8 alpha falls 30-fold from Ca = 1 to 4, at D = 10 27-fold, and is
-marginal beyond. Then other modes take over, of m = 6 and 7 and two cells a wave, from Ca = 10
-on at D = 8, from 20.5 on at D = 10: ripples of the membrane around the axis. A degree of 12
-does not resolve them at Ca = 10 (0.015 +- 0.009 U/r0), so whether they grow is open, and they
-are what makes the statements fail. The distance from the wall changes by what the paper says,
-0.115 and 0.127 r0, but rises: the cells become longer, as the paper also says, and thus thinner
-at the same volume. At packing 0.7 alpha has a minimum at Ca = 2 and rises up to Ca = 4 (D = 8)
-and 6 (D = 10) only, by factors of 3 and 2, with errors nearly as large; the gap between cells
-falls throughout. At Ca of 6 and more the error could not be estimated in four cases: no steady
-train was found at degree 14.""",
+than the paper says: from Ca = 1 to 4 alpha falls from 0.0116 to 0.0004 +- 0.0005 U/r0 at D = 8
+and from 0.0107 to 0.0004 +- 0.0002 at D = 10. Then other modes take over, of m = 6 and 7 and
+two cells a wave, from Ca = 10 on at D = 8 and at 20.5 at D = 10: ripples of the membrane around
+the axis, which make the statements fail. Degree 12 does not resolve them at Ca = 10 (0.015 +-
+0.009 U/r0), but at 20.5 two degrees more change alpha by less than 3 per cent. The distance
+from the wall changes by what the paper says, 0.115 and 0.127 r0, but rises: the cells become
+longer, as the paper also says, and thus thinner at the same volume. At packing 0.7 alpha has a
+minimum at Ca = 2 and rises up to Ca = 4 (D = 8) and 6 (D = 10) only, by factors of 3 and 2,
+with errors nearly as large; the gap between cells falls throughout. At Ca of 6 and more the
+error could not be estimated in four cases: there was no steady train with two degrees more.""",
     "fig19": """
-Where we differ. At packing 0.7 the paper's trend holds: alpha rises with the reduced volume, at
-every step at D = 8, and there are no trains above 0.86, which needs cells that overlap. At
-packing 0.2 alpha is largest for the flattest cells, of reduced volume 0.4, with errors of 2 to
-10 per cent, and not near 0.55; why is open.""",
+Where we differ. At packing 0.2 alpha is largest for the flattest cells, of reduced volume 0.4
+(0.0192 +- 0.0003 U/r0 at D = 8, 0.0143 +- 0.0001 at D = 12). Near 0.55, where the paper has its
+maximum, there is a minimum at D = 8, 0.0149 +- 0.0016, and a second maximum at 0.75, 0.0187; at
+D = 12 the minimum is at 0.6, 0.0121 +- 0.0003, and the second maximum at 0.7, 0.0123. The
+leading mode is the tilt of all cells alike throughout. Why the paper finds a maximum there is
+open. At packing 0.7 alpha rises with the volume as the paper says at D = 8, and at D = 12 from
+0.5 to 0.8; none of the four trains above 0.86 was found.""",
 }
 
 

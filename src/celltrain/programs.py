@@ -8,6 +8,7 @@ train to train therefore forgets its programs now and then; the persistent cache
 
 import gc
 import os
+from dataclasses import dataclass
 from pathlib import Path
 
 import jax
@@ -16,31 +17,50 @@ import celltrain.runtime  # noqa: F401
 
 _PROCESS = Path("/proc/self")
 _MOST_AREAS = Path("/proc/sys/vm/max_map_count")
-# Memory, in bytes, that a process may always take.
-LEAST_MEMORY = 2 * 2**30
+# Growth of the memory, in bytes, that is always allowed.
+LEAST_GROWTH = 2**30
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """Memory areas and bytes of memory that this process takes."""
+
+    areas: int
+    memory: int
+
+
+# What it took when programs were last forgotten, or when it was first asked for.
+_last: _Taken | None = None
 
 
 def forget_many_programs() -> bool:
-    """Drop this process's compiled programs if they are many, and say whether.
+    """Drop this process's compiled programs if they have become many, and say whether.
 
-    Many: they take half of the memory areas that a process may have, or with all its other data
-    more memory (2 GiB or more) than half of its share, the machine's memory by the number of its
-    processors. Where the system does not tell, nothing is dropped.
+    Many: since the last time the process has grown by half of the memory areas that it may have, or
+    by a third of its share of the memory, the machine's by the number of its processors (1 GiB at
+    least). It is the growth that counts, so that a process with much else in its memory does not
+    drop them over and over. Where the system does not tell, nothing is dropped.
     """
-    if not _too_many():
+    global _last
+    taken = _taken()
+    if taken is None:
+        return False
+    if _last is None:
+        _last = taken
+    share = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // (os.cpu_count() or 1)
+    many_areas = 2 * (taken.areas - _last.areas) > int(_MOST_AREAS.read_text())
+    if not many_areas and taken.memory - _last.memory <= max(LEAST_GROWTH, share // 3):
         return False
     jax.clear_caches()
     gc.collect()
+    _last = _taken()
     return True
 
 
-def _too_many() -> bool:
-    if not (_PROCESS / "maps").exists():
-        return False
+def _taken() -> _Taken | None:
+    if not _MOST_AREAS.exists():
+        return None
     with (_PROCESS / "maps").open("rb") as areas:
-        if 2 * sum(1 for _ in areas) > int(_MOST_AREAS.read_text()):
-            return True
-    page = os.sysconf("SC_PAGE_SIZE")
-    share = os.sysconf("SC_PHYS_PAGES") * page // (os.cpu_count() or 1)
-    resident = int((_PROCESS / "statm").read_text().split()[1]) * page
-    return resident > max(LEAST_MEMORY, share // 2)
+        count = sum(1 for _ in areas)
+    pages = int((_PROCESS / "statm").read_text().split()[1])
+    return _Taken(count, pages * os.sysconf("SC_PAGE_SIZE"))

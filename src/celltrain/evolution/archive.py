@@ -22,7 +22,7 @@ from celltrain.evolution.repulsion import Repulsion
 from celltrain.evolution.run import Run
 from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
 from celltrain.evolution.state import State
-from celltrain.results import complete, dataset, load, replace_file
+from celltrain.results import dataset, load, reading, replace_file
 from celltrain.stability import Stability
 from celltrain.steady import Base
 
@@ -101,7 +101,7 @@ def load_run(path: Path) -> Run:
         data.load()
     if "ending" not in data.attrs:
         raise ValueError(f"{str(path)!r} is a result of celltrain, but holds no simulation")
-    with complete(path, data):
+    with reading(path, data):
         return _run(start, data)
 
 

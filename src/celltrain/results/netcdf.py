@@ -74,13 +74,13 @@ def load(path: str | Path) -> Base | Stability:
     kind = data.attrs.get("kind")
     if kind not in ("base", "stability") or "case" not in data.attrs:
         raise ValueError(f"{str(path)!r} is a netCDF file, but holds no result of celltrain")
-    with complete(path, data):
+    with reading(path, data):
         base = _read_base(data)
         return base if kind == "base" else _read_stability(data, base)
 
 
 @contextmanager
-def complete(path: str | Path, data: xr.Dataset) -> Iterator[None]:
+def reading(path: str | Path, data: xr.Dataset) -> Iterator[None]:
     """Say of what a file lacks that it comes from another version.
 
     Raises:
