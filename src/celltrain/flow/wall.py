@@ -38,58 +38,70 @@ STRIP = 8
 LEAST_BESSEL = 1e-200
 
 
-# I_n(k r)/I_m(k R) for n = m - 1, m, m + 1, m + 2.
+# I_n(k r)/I_m(k R) for n = m - 1, m, m + 1, m + 2, each [wave, node].
 Ratios = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
-def _bessel_ratios(order: int, wave: float, radius: float, r: np.ndarray) -> Ratios:
+def _bessel_ratios(order: int, waves: np.ndarray, radius: float, r: np.ndarray) -> Ratios:
     """I_n(k r)/I_m(k R) for n = m - 1, m, m + 1, m + 2, free of overflow and underflow."""
-    neighbours = (abs(order - 1), order, order + 1, order + 2)
-    if order == 0 or ive(order + 2, wave * radius) > LEAST_BESSEL:
-        scale = np.exp(wave * (r - radius)) / ive(order, wave * radius)
-        below, value, above, beyond = (ive(n, wave * r) * scale for n in neighbours)
-        return below, value, above, beyond
-    # I_n(x) = (x/2)^n/n! 0F1(n + 1; x^2/4), of which the power underflows.
-    half = 0.5 * wave
-    series = [hyp0f1(n + 1.0, (half * r) ** 2) * (r / radius) ** n for n in neighbours]
-    whole = hyp0f1(order + 1.0, (half * radius) ** 2)
-    step = half * radius / (order + 1.0)
-    powers = (order / (half * radius), 1.0, step, step * half * radius / (order + 2.0))
-    below, value, above, beyond = (
-        power * each / whole for power, each in zip(powers, series, strict=True)
-    )
+    plain = (order == 0) | (ive(order + 2, waves * radius) > LEAST_BESSEL)
+    ratios = np.empty((4, waves.size, r.size))
+    ratios[:, plain] = _scaled_ratios(order, waves[plain, None], radius, r)
+    ratios[:, ~plain] = _series_ratios(order, waves[~plain, None], radius, r)
+    below, value, above, beyond = ratios
     return below, value, above, beyond
 
 
-def _axial_solutions(order: int, ratios: Ratios, x: np.ndarray) -> np.ndarray:
-    """The three solutions [component, solution, node] for m >= 0 and k > 0; linear in x."""
-    below, value, above, beyond = ratios
-    none = np.zeros_like(value)
-    if order == 0:
-        return np.stack([[above, none, x * beyond], [none, above, none], [value, none, x * above]])
+def _scaled_ratios(order: int, wave: np.ndarray, radius: float, r: np.ndarray) -> np.ndarray:
+    """By functions without their exponential growth."""
+    scale = np.exp(wave * (r - radius)) / ive(order, wave * radius)
+    neighbours = np.array([abs(order - 1), order, order + 1, order + 2])
+    return ive(neighbours[:, None, None], wave * r) * scale
+
+
+def _series_ratios(order: int, wave: np.ndarray, radius: float, r: np.ndarray) -> np.ndarray:
+    """By I_n(x) = (x/2)^n/n! 0F1(n + 1; x^2/4), of which the power underflows, for m > 0."""
+    half = 0.5 * wave
+    whole = hyp0f1(order + 1.0, (half * radius) ** 2)
+    step = half * radius / (order + 1.0)
+    powers = (order / (half * radius), 1.0, step, step * half * radius / (order + 2.0))
     return np.stack(
         [
-            [below, above, x * beyond + order * above],
-            [below, -above, (order + 2) * above],
-            [value, value, x * above],
+            power * hyp0f1(n + 1.0, (half * r) ** 2) * (r / radius) ** n / whole
+            for n, power in enumerate(powers, order - 1)
         ]
     )
 
 
-def _axial_response(m: int, k: float, radius: float, nodes: np.ndarray) -> np.ndarray:
-    """Radial functions [out, in, node] for k != 0 and unit boundary values.
+def _axial_solutions(order: int, ratios: Ratios, x: np.ndarray) -> np.ndarray:
+    """The three solutions [wave, component, solution, node] for m >= 0, k > 0; linear in x."""
+    below, value, above, beyond = ratios
+    none = np.zeros_like(value)
+    if order == 0:
+        rows = [[above, none, x * beyond], [none, above, none], [value, none, x * above]]
+    else:
+        rows = [
+            [below, above, x * beyond + order * above],
+            [below, -above, (order + 2) * above],
+            [value, value, x * above],
+        ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def _axial_response(order: int, waves: np.ndarray, radius: float, nodes: np.ndarray) -> np.ndarray:
+    """Radial functions [wave, out, in, node] of m >= 0, k > 0 for unit boundary values.
 
     Components are (u_r, u_theta/i, u_z/i), in which the system is real.
     """
-    order, wave, r = abs(m), abs(k), np.append(nodes, radius)
-    found = _axial_solutions(order, _bessel_ratios(order, wave, radius, r), wave * r)
-    return _turned(m, k, _fitted(found, found))
+    r = np.append(nodes, radius)
+    found = _axial_solutions(order, _bessel_ratios(order, waves, radius, r), waves[:, None] * r)
+    return _fitted(found, found)
 
 
-def _axial_slope(m: int, k: float, radius: float, nodes: np.ndarray) -> np.ndarray:
+def _axial_slope(order: int, waves: np.ndarray, radius: float, nodes: np.ndarray) -> np.ndarray:
     """k d/dk of `_axial_response`."""
-    order, wave, r = abs(m), abs(k), np.append(nodes, radius)
-    ratios, x = _bessel_ratios(order, wave, radius, r), wave * r
+    r = np.append(nodes, radius)
+    ratios, x = _bessel_ratios(order, waves, radius, r), waves[:, None] * r
     below, value, above, beyond = ratios
     # x I_n' = n I_n + x I_(n+1) = x I_(n-1) - n I_n; what they are divided by does not matter.
     slopes = (
@@ -100,8 +112,8 @@ def _axial_slope(m: int, k: float, radius: float, nodes: np.ndarray) -> np.ndarr
     )
     found = _axial_solutions(order, ratios, x)
     moved = _axial_solutions(order, slopes, x) + found - _axial_solutions(order, ratios, 0.0 * x)
-    moved = moved - np.einsum("oin,ic->ocn", _fitted(found, found, ends=True), moved[:, :, -1])
-    return _turned(m, k, _fitted(moved, found))
+    moved = moved - np.einsum("koin,kic->kocn", _fitted(found, found, ends=True), moved[..., -1])
+    return _fitted(moved, found)
 
 
 def _fitted(functions: np.ndarray, solutions: np.ndarray, *, ends: bool = False) -> np.ndarray:
@@ -110,30 +122,24 @@ def _fitted(functions: np.ndarray, solutions: np.ndarray, *, ends: bool = False)
     That node is left out unless `ends`.
     """
     # Columns scaled before the solve: for small k they differ by orders of magnitude.
-    size = np.abs(solutions[:, :, -1]).max(axis=0)
-    inverse = np.linalg.inv(solutions[:, :, -1] / size)
-    nodes = functions if ends else functions[:, :, :-1]
-    return np.einsum("ocn,ci->oin", nodes / size[None, :, None], inverse)
+    size = np.abs(solutions[..., -1]).max(axis=1, keepdims=True)
+    inverse = np.linalg.inv(solutions[..., -1] / size)
+    nodes = functions if ends else functions[..., :-1]
+    return np.einsum("kocn,kci->koin", nodes, inverse / np.swapaxes(size, 1, 2))
 
 
-def _turned(m: int, k: float, response: np.ndarray) -> np.ndarray:
-    """The functions of |m| and |k| for m and k: with each sign a component changes its own."""
-    signs = np.array([1.0, -1.0 if m < 0 else 1.0, -1.0 if k < 0.0 else 1.0])
-    return signs[:, None, None] * response * signs[:, None]
-
-
-def _uniform_response(m: int, radius: float, nodes: np.ndarray) -> np.ndarray:
-    """Radial functions [out, in, node] for k = 0 and unit boundary values."""
+def _uniform_response(order: int, radius: float, nodes: np.ndarray) -> np.ndarray:
+    """Radial functions [out, in, node] of m >= 0, k = 0 for unit boundary values."""
     r = nodes / radius
     response = np.zeros((3, 3, nodes.size))
-    response[2, 2] = r ** abs(m)
-    if m == 0:
+    response[2, 2] = r**order
+    if order == 0:
         response[1, 1] = r
         return response
-    order = abs(m)
     low, high = r ** (order - 1), r ** (order + 1)
-    basis = np.array([[low, high], [order / m * low, (order + 2) / m * high]])
-    at_wall = np.array([[1.0, 1.0], [order / m, (order + 2) / m]])
+    slope = (order + 2) / order
+    basis = np.array([[low, high], [low, slope * high]])
+    at_wall = np.array([[1.0, 1.0], [1.0, slope]])
     response[:2, :2] = np.einsum("ocn,ci->oin", basis, np.linalg.inv(at_wall))
     return response
 
@@ -156,7 +162,7 @@ class TubeWall(eqx.Module):
 
     def response_slope(self) -> Float[np.ndarray, "3 3 m k chebyshev"]:
         """d(response)/d log(R/period)."""
-        return _responses(self, _axial_slope, lambda m, radius, nodes: np.zeros((3, 3, nodes.size)))
+        return _responses(self, _axial_slope, lambda order, radius, nodes: np.zeros(()))
 
     def resized(
         self, radius: Float[Array, ""], period: Float[Array, ""], slope: Array
@@ -329,10 +335,13 @@ def tube_wall(
 
 def _responses(
     wall: TubeWall,
-    axial: Callable[[int, float, float, np.ndarray], np.ndarray],
+    axial: Callable[[int, np.ndarray, float, np.ndarray], np.ndarray],
     uniform: Callable[[int, float, np.ndarray], np.ndarray],
 ) -> np.ndarray:
-    """Chebyshev coefficients [out, in, m, k, chebyshev] of the radial functions of all modes."""
+    """Chebyshev coefficients [out, in, m, k, chebyshev] of the radial functions of all modes.
+
+    Those of -m and -k follow from those of m and k: with each sign a component changes its own.
+    """
     radius, full = float(wall.radius), wall.response.shape[-1]
     psi = (np.arange(full // 2) + 0.5) * np.pi / full
     nodes = radius * np.cos(psi)
@@ -340,12 +349,21 @@ def _responses(
     to_chebyshev[0] *= 0.5
     # By symmetry the other half of the nodes doubles coefficients of the right parity.
     even = (np.arange(full) % 2 == 0)[:, None]
+    k = np.asarray(wall.axial) / float(wall.period)
+    waves, place = np.unique(np.abs(k), return_inverse=True)
+    direction = np.where(k < 0.0, -1.0, 1.0)[:, None]
+    orders = np.asarray(wall.orders).astype(int)
     response = np.zeros(wall.response.shape)
-    for i, m in enumerate(int(order) for order in wall.orders):
-        along = to_chebyshev * (even if m % 2 == 0 else ~even)
-        across = to_chebyshev * (even if m % 2 else ~even)
-        for j, k in enumerate(np.asarray(wall.axial) / float(wall.period)):
-            values = uniform(m, radius, nodes) if k == 0.0 else axial(m, float(k), radius, nodes)
-            response[:2, :, i, j] = values[:2] @ across.T
-            response[2, :, i, j] = values[2] @ along.T
+    for order in range(orders.max() + 1):
+        values = np.zeros((waves.size, 3, 3, nodes.size))
+        values[waves == 0.0] = uniform(order, radius, nodes)
+        values[waves > 0.0] = axial(order, waves[waves > 0.0], radius, nodes)
+        along = to_chebyshev * (even if order % 2 == 0 else ~even)
+        across = to_chebyshev * (even if order % 2 else ~even)
+        for o, i in np.ndindex(3, 3):
+            found = (values[:, o, i] @ (along if o == 2 else across).T)[place]
+            found *= direction if (o == 2) != (i == 2) else 1.0
+            for m in {order, -order}:
+                swaps = m < 0 and (o == 1) != (i == 1)
+                response[o, i, orders == m] = -found if swaps else found
     return response
