@@ -71,9 +71,10 @@ def _longitudes(
     order: Int[np.ndarray, " coefficient"], phi: Float[np.ndarray, " point"]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Longitude factor of each harmonic and its derivative, [coefficient, point]."""
-    m = np.abs(order)[:, None]
-    scale = np.where(m > 0, math.sqrt(2.0), 1.0)
-    cosine, sine = scale * np.cos(m * phi), scale * np.sin(m * phi)
+    m = np.abs(order)
+    turn = np.arange(m.max() + 1)[:, None] * phi
+    scale = np.where(m > 0, math.sqrt(2.0), 1.0)[:, None]
+    cosine, sine, m = scale * np.cos(turn)[m], scale * np.sin(turn)[m], m[:, None]
     is_sine = (order < 0)[:, None]
     return np.where(is_sine, sine, cosine), np.where(is_sine, m * cosine, -m * sine)
 

@@ -7,6 +7,7 @@ phi = 0 by `shift_longitude`.
 """
 
 import math
+from functools import lru_cache
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -34,6 +35,8 @@ def about_pole(
     return np.arctan2(np.hypot(x, along), z), np.arctan2(along, x)
 
 
+# Every operator of a degree needs the same few.
+@lru_cache(maxsize=256)
 def polar_rotation(degree: int, theta: float) -> Float[np.ndarray, "coefficient coefficient"]:
     """Matrix from coefficients to those in the frame with its pole at (theta, phi = 0)."""
     nodes, gauss = np.polynomial.legendre.leggauss(degree)
