@@ -294,6 +294,13 @@ def test_linear_prediction_of_a_mode_and_of_the_transient(coarse_stability: Stab
     leading = linear_prediction(coarse_stability, Leading(1e-3).shapes(coarse_stability))
     for time in (0.0, 3.0, 40.0):
         assert_allclose(leading.eps(time), 1e-3 * np.exp(rate * time), rtol=1e-8)
+    # Several times at once, evenly spread and not, in both sizes.
+    times = np.array([0.0, 2.0, 4.0, 40.0])
+    eps, eps_x = leading.sizes(times)
+    displaced = Leading(1e-3).shapes(coarse_stability)
+    first = np.sqrt(np.sum(displaced**2) / (4.0 * np.pi))
+    for size, begin in ((eps, 1e-3), (eps_x, first)):
+        assert_allclose(size, begin * np.exp(rate * times), rtol=1e-8)
     # At first the transient grows at the numerical abscissa, and nothing else does.
     step = 1e-5
     transient = linear_prediction(coarse_stability, Transient(1.0).shapes(coarse_stability))

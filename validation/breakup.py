@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from breakup_runs import CASES, CLOSE, PAPER_TIMES, at, simulate, summarise
+from breakup_linear import PAPER_SLOWER, ad_hoc_section
+from breakup_runs import AMPLITUDE, CASES, CLOSE, DENSE, PAPER_TIMES, at, simulate, summarise
 from page import FOLDER, Page, plain_figure
 
 RUNS = Path("out/breakup")
@@ -24,9 +25,7 @@ PAPER_SAYS = (
     "breaks up (picture)",
     "disordered (last picture)",
 )
-# The paper: times to eps_x = 1 of the ad hoc disturbance over that of the mode, and the size up to
-# which the mode grows as linear theory says.
-PAPER_SLOWER = 2.7
+# The paper: the size up to which the mode grows as linear theory says.
 PAPER_LINEAR = 0.5
 
 
@@ -87,25 +86,31 @@ within a factor of two of the paper's.
     for name, path in places.items():
         if content := summarise(name, path):
             found[name] = content
-            page.log(f"{name}: {state(content)}")
+            page.log(f"{name}: {state(name, content)}")
     runs_table(page, found)
     page.heading("Beside the paper's statements")
     page.table(("the paper says", "found", "holds"), statements(found))
     if "leading" in found:
         course(page, found["leading"])
+    ad_hoc_section(page, DENSE, AMPLITUDE)
     figure(page, found)
     pictures(page, found)
     page.write()
 
 
-def state(content: Mapping[str, Any] | None) -> str:
+def state(name: str, content: Mapping[str, Any] | None) -> str:
     """How far a simulation is, in words."""
     if not content:
         return "not run"
-    if content["ending"] == "complete":
+    if finished(name, content):
         return f"finished at {content['time']:.0f}"
     reason = "" if content["ending"] == "running" else f" ({content['message']})"
-    return f"not finished: {content['time']:.0f} of {content['until']:.0f}{reason}"
+    return f"not finished: {content['time']:.0f} of {CASES[name].until:.0f}{reason}"
+
+
+def finished(name: str, content: Mapping[str, Any]) -> bool:
+    """Whether a simulation has been followed as long as it is meant to be."""
+    return bool(content["time"] >= CASES[name].until * (1.0 - 1e-9))
 
 
 def runs_table(page: Page, found: Mapping[str, Mapping[str, Any]]) -> None:
@@ -118,7 +123,7 @@ def runs_table(page: Page, found: Mapping[str, Mapping[str, Any]]) -> None:
             case.shows,
             f"{case.train.cells}, {case.train.packing:.3g}",
             repr(case.disturbance),
-            state(content),
+            state(name, content),
         ]
         if content is not None:
             hours = content["wall_seconds"] / 3600.0
@@ -175,13 +180,14 @@ def statements(found: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, s
         rows += leading_statements(leading)
     if leading is not None and random is not None:
         ends = [each["events"]["eps_x = 1"] for each in (leading, random)]
-        said = f"ad hoc disturbance: {PAPER_SLOWER} times longer to eps_x = 1"
+        paper = PAPER_SLOWER[DENSE.packing]
+        said = f"ad hoc disturbance: {paper} times longer to eps_x = 1"
         if None in ends:
             missing = ["leading", "random"][ends.index(None)]
             rows.append((said, f"{missing} has not reached it", "not known yet"))
         else:
             slower = ends[1] / ends[0]
-            holds = 0.5 * PAPER_SLOWER < slower < 2.0 * PAPER_SLOWER
+            holds = 0.5 * paper < slower < 2.0 * paper
             rows.append((said, f"{slower:.2f} times ({ends[1]:.0f})", answer(holds)))
     eight, twelve = found.get("eight"), found.get("twelve")
     if eight is not None and twelve is not None:
@@ -190,8 +196,8 @@ def statements(found: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, s
             f"{name}: " + ("in order" if time is None else f"out of order at {time:.0f}")
             for name, time in zip(("N = 8", "N = 12"), lost, strict=True)
         ]
-        finished = [each["ending"] == "complete" for each in (eight, twelve)]
-        known = lost[0] is not None or all(finished) or (finished[0] and lost[1] is not None)
+        over = finished("eight", eight), finished("twelve", twelve)
+        known = lost[0] is not None or all(over) or (over[0] and lost[1] is not None)
         holds = lost[0] is None and lost[1] is not None
         rows.append(
             (
@@ -300,5 +306,5 @@ def pictures(page: Page, found: Mapping[str, Mapping[str, Any]]) -> None:
         if path.exists():
             page.parts.append(
                 f"![The cells in time, {name}]({path.name})\n\n*{name}: {CASES[name].shows};"
-                f" {state(content)}*"
+                f" {state(name, content)}*"
             )

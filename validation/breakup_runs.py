@@ -27,6 +27,8 @@ PAPER_TIMES = tuple(
     paper_units.time_from_paper(time) for time in (0.0, 61.0, 72.0, 97.0, 108.0, 141.0)
 )
 EVERY = 5.0
+# That of the paper's Fig. 11.
+AMPLITUDE = 0.1
 DENSE = Train(diameter=10, packing=0.7, cells=8)
 LONGER = DENSE.changed(cells=12)
 # Eight cells in the tube of those twelve.
@@ -49,8 +51,12 @@ class Case:
 
 
 CASES: dict[str, Case] = {
-    "leading": Case("the fastest mode, Figs. 11 and 12", DENSE, Leading(0.1), 1600.0),
-    "random": Case("the ad hoc disturbance, Fig. 11", DENSE, RandomDisplacement(0.1), 3000.0),
+    "leading": Case(
+        "the fastest mode, Figs. 11 and 12", DENSE, Leading(AMPLITUDE), PAPER_TIMES[-1]
+    ),
+    "random": Case(
+        "the ad hoc disturbance, Fig. 11", DENSE, RandomDisplacement(AMPLITUDE), PAPER_TIMES[-1]
+    ),
     "eight": Case("eight cells in a tube, Fig. 1a", SPARSE, RandomDisplacement(0.5), 1500.0),
     "twelve": Case("twelve in the same tube, Fig. 1b", LONGER, RandomDisplacement(0.5), 1500.0),
 }
@@ -60,9 +66,9 @@ def simulate(name: str, path: Path) -> None:
     """Run a simulation, or go on with its file, until its end; killed, it may be gone on with."""
     case, errors = CASES[name], Console(stderr=True)
     if path.exists():
-        load(name, path)
+        until = max(case.until, float(load(name, path).times[-1]))
         with SimulationReporter(errors, quiet=False) as progress:
-            resume(path, until=case.until, progress=progress.step)
+            resume(path, until=until, progress=progress.step)
         return
     path.parent.mkdir(parents=True, exist_ok=True)
     with Reporter(errors, quiet=False) as reporter:

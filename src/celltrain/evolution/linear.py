@@ -1,5 +1,6 @@
-"""What the linear dynamics predicts for a disturbance: |exp(A t) d| in the norm of Eq. (8)."""
+"""What the linear dynamics predicts for a disturbance: |exp(A t) d|, as eps and as eps_x."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,12 +21,14 @@ Family = Float[np.ndarray, "member 3 coefficient"]
 class Part:
     """A disturbance's part of one azimuthal number, family and wave number.
 
-    `weight` is the Gram matrix of the norm, times 1/N, and 2/N where -j is counted with j.
+    `weight` and `weight_x` are the Gram matrices of eps and of eps_x, times 1/N, and 2/N where -j
+    is counted with j.
     """
 
     block: Complex[np.ndarray, "size size"]
     vector: Complex[np.ndarray, " size"]
     weight: Float[np.ndarray, "size size"]
+    weight_x: Float[np.ndarray, "size size"]
 
 
 @dataclass(frozen=True)
@@ -39,13 +42,24 @@ class LinearPrediction:
 
     def eps(self, time: float) -> float:
         """Amplitude (Eq. 8, r0) at a time in r0/U after the beginning; nan if not known."""
-        if not self.parts:
-            return float("nan")
-        square = 0.0
+        return float(self.sizes(np.array([float(time)]))[0][0])
+
+    def sizes(
+        self, times: Float[np.ndarray, " time"]
+    ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
+        """eps (Eq. 8) and eps_x (Fig. 11, root of the sum over the cells), r0, at rising times."""
+        squares = np.zeros((2, len(times)))
         for part in self.parts:
-            vector = scipy.linalg.expm(time * part.block) @ part.vector
-            square += float((vector.conj() @ part.weight @ vector).real)
-        return float(np.sqrt(square))
+            vector, last, step, propagator = part.vector, 0.0, math.nan, part.block
+            for index, time in enumerate(times):
+                if time - last != step:
+                    step = time - last
+                    propagator = scipy.linalg.expm(step * part.block)
+                vector, last = propagator @ vector, time
+                for row, weight in enumerate((part.weight, part.weight_x)):
+                    squares[row, index] += float((vector.conj() @ weight @ vector).real)
+        eps, eps_x = np.sqrt(squares) if self.parts else np.full(squares.shape, np.nan)
+        return eps, eps_x
 
 
 def linear_prediction(
@@ -59,6 +73,8 @@ def linear_prediction(
     cells, _, count = disturbance.shape
     degree = int(np.sqrt(count))
     weights = paper_weights(degree)
+    # A displacement by d adds d sqrt(4 pi) to the coefficient of Y_00.
+    mean = np.full(count, 0.25 / np.pi)
     total = float(np.sum(weights * disturbance**2))
     waves = np.fft.fft(disturbance, axis=0)
     parts: list[Part] = []
@@ -66,7 +82,10 @@ def linear_prediction(
     for m in result.azimuthal_numbers:
         basis = azimuthal_basis(degree, m)
         for family in (basis,) if m == 0 else (basis, turned_family(basis, m)):
-            gram = np.tensordot(family * weights, family, axes=((1, 2), (1, 2)))
+            gram, gram_x = (
+                np.tensordot(family * each, family, axes=((1, 2), (1, 2)))
+                for each in (weights, mean)
+            )
             for wave in result.wave_numbers:
                 vector = np.einsum("uik,ik->u", family, waves[wave])
                 copies = 1 if wave == 0 or 2 * wave == cells else 2
@@ -74,7 +93,8 @@ def linear_prediction(
                 share = float((vector.conj() @ weight @ vector).real)
                 covered += share
                 if share > 1e-3 * NEGLIGIBLE * total:
-                    parts.append(Part(result.blocks[m][wave], vector, weight))
+                    weight_x = gram_x * (copies / cells)
+                    parts.append(Part(result.blocks[m][wave], vector, weight, weight_x))
     return LinearPrediction(tuple(parts) if covered > (1.0 - NEGLIGIBLE) * total else ())
 
 
