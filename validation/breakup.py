@@ -15,7 +15,13 @@ from breakup_runs import AMPLITUDE, CASES, CLOSE, DENSE, PAPER_TIMES, at, simula
 from page import FOLDER, Page, plain_figure
 
 RUNS = Path("out/breakup")
-COLORS = {"leading": "#0072B2", "random": "#D55E00", "eight": "#009E73", "twelve": "#CC79A7"}
+COLORS = {
+    "leading": "#0072B2",
+    "random": "#D55E00",
+    "sparse": "#E69F00",
+    "eight": "#009E73",
+    "twelve": "#CC79A7",
+}
 # What the paper says of its t U/r0 = 0, 61, 72, 97, 108 and 141.
 PAPER_SAYS = (
     "the train, slightly disturbed",
@@ -26,7 +32,7 @@ PAPER_SAYS = (
     "disordered (last picture)",
 )
 # The paper: the size up to which the mode grows as linear theory says.
-PAPER_LINEAR = 0.5
+PAPER_LINEAR = {"leading": 0.5, "sparse": 5.0}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,7 +79,7 @@ def study(
     page = Page("breakup", "Breakup of a train")
     page.text(
         """
-A train of cells at packing 0.7 in a tube of diameter 10 r0, default resolution (M = 12), viscosity
+A train of cells in a tube of diameter 10 r0, default resolution (M = 12), viscosity
 ratio 1, from a small disturbance on. eps and eps_x as in the paper (Eq. 8 and Fig. 11), but eps_x
 here is the root of the sum over the cells. Times in r0/U; those that the paper prints are a tenth
 of these. The simulations take hours; `python validation/run.py breakup --simulate NAME` runs one of
@@ -178,6 +184,8 @@ def statements(found: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, s
     leading, random = found.get("leading"), found.get("random")
     if leading is not None:
         rows += leading_statements(leading)
+    if "sparse" in found:
+        rows.append(exponential_statement(found["sparse"], "packing 0.2", PAPER_LINEAR["sparse"]))
     if leading is not None and random is not None:
         ends = [each["events"]["eps_x = 1"] for each in (leading, random)]
         paper = PAPER_SLOWER[DENSE.packing]
@@ -212,17 +220,7 @@ def statements(found: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str, s
 def leading_statements(leading: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     """Those on the fastest mode."""
     events, reached = leading["events"], leading["time"]
-    rows = []
-    left = events["not exponential"]
-    said = f"the mode grows as exp(alpha t) until eps_x = {PAPER_LINEAR} (Fig. 11)"
-    grown = leading["eps_x"][0] * np.exp(leading["growth_rate"] * (left or reached))
-    if left is None:
-        known = grown > PAPER_LINEAR
-        text = f"within {CLOSE:.0%} so far, until eps_x = {leading['eps_x'][1]:.2f}"
-        rows.append((said, text, answer(True) if known else "not known yet"))
-    else:
-        holds = grown > 0.5 * PAPER_LINEAR
-        rows.append((said, f"within {CLOSE:.0%} until {grown:.2f} (t = {left:.0f})", answer(holds)))
+    rows = [exponential_statement(leading, "packing 0.7", PAPER_LINEAR["leading"])]
     opposed = [at(leading, "opposition", time) for time in PAPER_TIMES[:2]]
     said = "t <= 610: wave of two cells, neighbours turn oppositely (Fig. 12)"
     if opposed[1] is None:
@@ -242,6 +240,20 @@ def leading_statements(leading: Mapping[str, Any]) -> list[tuple[str, str, str]]
     text = f"{correction:.1e} at most, that of the first shapes left out"
     rows.append(("correction of the volume: below 1e-5 r0 a step", text, answer(correction < 1e-5)))
     return rows
+
+
+def exponential_statement(
+    content: Mapping[str, Any], where: str, paper: float
+) -> tuple[str, str, str]:
+    """Up to which eps_x a mode grows as the linear theory says."""
+    left = content["events"]["not exponential"]
+    said = f"the mode grows as exp(alpha t) until eps_x = {paper}, {where} (Fig. 11)"
+    grown = content["eps_x"][0] * np.exp(content["growth_rate"] * (left or content["time"]))
+    if left is None:
+        text = f"within {CLOSE:.0%} so far, until eps_x = {content['eps_x'][1]:.2f}"
+        return said, text, answer(True) if grown > paper else "not known yet"
+    text = f"within {CLOSE:.0%} until {grown:.2f} (t = {left:.0f})"
+    return said, text, answer(grown > 0.5 * paper)
 
 
 def answer(holds: bool) -> str:
@@ -285,9 +297,9 @@ def figure(page: Page, found: Mapping[str, Mapping[str, Any]]) -> None:
         right.plot(
             times, 100.0 * np.array(measures["extra_pressure_drop"]), color=color, label=name
         )
-        if name == "leading":
+        if name in PAPER_LINEAR:
             exponential = content["eps_x"][0] * np.exp(content["growth_rate"] * times)
-            left.semilogy(times, exponential, "k:", linewidth=1.0, label="leading, exp(alpha t)")
+            left.semilogy(times, exponential, "k:", linewidth=1.0, label=f"{name}, exp(alpha t)")
     for axes, text in (
         (left, "eps_x, r0"),
         (middle, "deviation of the spacing, periods"),

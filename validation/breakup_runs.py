@@ -57,6 +57,12 @@ CASES: dict[str, Case] = {
     "random": Case(
         "the ad hoc disturbance, Fig. 11", DENSE, RandomDisplacement(AMPLITUDE), PAPER_TIMES[-1]
     ),
+    "sparse": Case(
+        "the fastest mode of a sparse train, Fig. 11",
+        DENSE.changed(packing=0.2),
+        Leading(AMPLITUDE),
+        500.0,
+    ),
     "eight": Case("eight cells in a tube, Fig. 1a", SPARSE, RandomDisplacement(0.5), 1500.0),
     "twelve": Case("twelve in the same tube, Fig. 1b", LONGER, RandomDisplacement(0.5), 1500.0),
 }
