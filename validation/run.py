@@ -29,6 +29,7 @@ import norms
 import packing
 import reference
 import sphere
+import transients
 import viscosity
 
 HERE = Path(__file__).resolve().parent
@@ -56,6 +57,7 @@ def main() -> None:
         "figures": lambda options: figures.study(options.results),
         "mechanisms": lambda _: mechanisms.study(),
         "norms": lambda _: norms.study(),
+        "transients": lambda _: transients.study(),
         "boundary": lambda _: boundary.study(),
         "breakup": lambda options: breakup.study(
             options.runs, options.simulate, dict(options.take)
