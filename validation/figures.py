@@ -56,6 +56,17 @@ factor of four. The base flow does not depend on the ratio, and an own double la
 exact for rigid motions adds growth in proportion to its error ([viscosity](viscosity.md)): that
 may be where the factor comes from. In the valley (packing 0.45 to 0.55 at D = 8, 0.5 and 0.55
 at D = 12) the leading modes are axisymmetric and the same at both ratios.""",
+    "fig14": """
+Where we differ. A cell of large viscosity is a rigid body in the limit, but that is reached as one
+over the ratio ([viscosity](viscosity.md)): alpha has its maximum near a ratio of 5 and still falls
+at 100, at D = 8, packing 0.2 to 0.0123, then to 0.0095 and 0.0074 U/r0 at 300 and 1000. So there
+is no plateau from 20 on, and the most viscous cells are the most stable, not those of ratio 1. Up
+to the maximum alpha rises by 7 per cent at D = 8, packing 0.2 (by 10 in the paper) and by 35 at
+packing 0.7, at D = 12 not at all and by 4. Over all ratios it varies by 33 and 26 per cent of its
+value at ratio 1 in sparse trains of D = 8 and 12, by 72 and 32 in dense ones: more, but not many
+times more. The tumbling of dense trains at D = 8 jumps between 0.5 and 1 and between 50 and 100,
+where the leading wave changes from two cells to 8/3 and back. As in Fig. 13, an own double layer
+that is not exact for rigid motions would add growth with the ratio, and a plateau.""",
     "fig16": """
 Where we differ. At packing 0.2 the tilt common to all cells is damped by the flow much more
 than the paper says: from Ca = 1 to 4 alpha falls from 0.0116 to 0.0004 +- 0.0005 U/r0 at D = 8
