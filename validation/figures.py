@@ -66,7 +66,7 @@ packing 0.7, at D = 12 not at all and by 4. Over all ratios it varies by 33 and 
 value at ratio 1 in sparse trains of D = 8 and 12, by 72 and 32 in dense ones: more, but not many
 times more. The tumbling of dense trains at D = 8 jumps between 0.5 and 1 and between 50 and 100,
 where the leading wave changes from two cells to 8/3 and back. As in Fig. 13, an own double layer
-that is not exact for rigid motions would add growth with the ratio, and a plateau.""",
+that is not exact for rigid motions could add growth with the ratio, and so a plateau.""",
     "fig16": """
 Where we differ. At packing 0.2 the tilt common to all cells is damped by the flow much more
 than the paper says: from Ca = 1 to 4 alpha falls from 0.0116 to 0.0004 +- 0.0005 U/r0 at D = 8
@@ -79,6 +79,10 @@ longer, as the paper also says, and thus thinner at the same volume. At packing 
 minimum at Ca = 2 and rises up to Ca = 4 (D = 8) and 6 (D = 10) only, by factors of 3 and 2,
 with errors nearly as large; the gap between cells falls throughout. At Ca of 6 and more the
 error could not be estimated in four cases: there was no steady train with two degrees more.""",
+    "fig17": """
+Where we differ. The faces of the dimple come within 0.2 r0 of each other, where our repulsion
+begins to act, for reduced volumes below 0.607, but without any they would touch only below 0.524.
+Whether the paper's 0.61 is where its repulsion acts or where it is needed, it does not say.""",
     "fig19": """
 Where we differ. At packing 0.2 alpha is largest for the flattest cells, of reduced volume 0.4
 (0.0192 +- 0.0003 U/r0 at D = 8, 0.0143 +- 0.0001 at D = 12). Near 0.55, where the paper has its
