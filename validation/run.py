@@ -29,6 +29,7 @@ import norms
 import packing
 import reference
 import sphere
+import trains
 import transients
 import viscosity
 
@@ -50,6 +51,7 @@ def main() -> None:
         "sphere": lambda _: sphere.study(),
         "reference": lambda options: reference.study(options.reference),
         "convergence": lambda _: convergence.study(),
+        "trains": lambda _: trains.study(),
         "packing": lambda _: packing.study(),
         "viscosity": lambda _: viscosity.study(),
         "accuracy": lambda _: accuracy.study(),

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.harmonics.basis import degrees_and_orders, real_harmonics
+from celltrain.harmonics.basis import degrees_and_orders, partners, real_harmonics, turns
 from celltrain.harmonics.grid import sphere_grid, unit_vectors
 
 
@@ -22,14 +22,8 @@ def turn_longitude(
     coefficients: Float[Array, "pair channel coefficient"], angles: Float[Array, " pair"]
 ) -> Float[Array, "pair channel coefficient"]:
     """Coefficients of x(theta, phi + angle), an angle for each pair."""
-    degree = math.isqrt(coefficients.shape[-1])
-    n, order = degrees_and_orders(degree)
-    # The cosines of few angles, not one for each coefficient.
-    turn = angles[:, None] * jnp.arange(degree)
-    cosine, sine = jnp.cos(turn), jnp.sin(turn)
-    sine = sine[:, np.abs(order)] * np.sign(order)
-    partner = coefficients[..., n * n + n - order]
-    return cosine[:, None, np.abs(order)] * coefficients + sine[:, None] * partner
+    cosine, sine = turns(angles, math.isqrt(coefficients.shape[-1]))
+    return cosine[:, None] * coefficients + sine[:, None] * partners(coefficients)
 
 
 class PoleRotation(eqx.Module):

@@ -1,0 +1,123 @@
+"""The steady trains that the paper shows: Figs. 5, 15 and 18."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from page import Page, plain_figure
+
+from celltrain import Base, Train, paper_units, steady
+from celltrain.train import meridian
+
+# The paper's criterion of convergence, velocity along the normal in U (Sec. V A).
+CONVERGED = 1e-4
+CELLS_SHOWN = 3
+WIDE, NARROW = 10.0, 6.0
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A steady train and where the paper shows it."""
+
+    figure: str
+    words: str
+    base: Base
+
+
+def shown() -> Iterator[Shown]:
+    """All of them, from the easy ones on."""
+    corners = ((NARROW, 0.2), (NARROW, 0.7), (WIDE, 0.2), (WIDE, 0.7))
+    for letter, (diameter, packing) in zip("abcd", corners, strict=True):
+        train = Train(diameter=diameter, packing=packing, cells=8)
+        yield Shown(f"5 ({letter})", f"D = {diameter:g}, packing {packing:g}", steady(train))
+    train = Train(diameter=8, packing=0.2, cells=8)
+    usual, base = train.cell.capillary_number, steady(train)
+    moduli = ("shear_modulus", "dilatation_modulus", "bending_modulus")
+    for letter, capillary in (("a", 0.4), ("b", 20.5)):
+        # A faster flow makes all moduli smaller in its units.
+        weaker = usual / paper_units.capillary_number_from_paper(capillary)
+        changed = {name: getattr(train.cell, name) * weaker for name in moduli}
+        base = steady(train.changed(**changed), start=base)
+        yield Shown(f"15 ({letter})", f"D = 8, packing 0.2, Ca = {capillary:g}", base)
+    dense = steady(train.changed(packing=0.7))
+    for letter, volumes in (("a", (0.55, 0.4)), ("b", (0.7, 0.75, 0.8, 0.84, 0.86))):
+        base = dense
+        for volume in volumes:
+            base = steady(dense.train.changed(reduced_volume=volume), start=base)
+        yield Shown(f"18 ({letter})", f"D = 8, packing 0.7, v = {volumes[-1]:g}", base)
+
+
+def study() -> None:
+    page = Page("trains", "Steady trains")
+    page.text(
+        f"""
+The trains of the paper's Figs. 5, 15 and 18, N = 8, M = 12, viscosity ratio 1, which they do not
+depend on. Ca as the paper counts it; the packing of Fig. 15 it does not say. Residual: largest
+velocity of the membrane against the moving train, of the harmonics that there are; left out: what
+more harmonics would have. The paper calls a train converged whose velocity along the normal is
+below {CONVERGED:g} U. Lengths in r0, velocities in U.
+"""
+    )
+    rows = []
+    figure = plain_figure(9.0, 7.0)
+    panels = figure.subplots(4, 2).ravel()
+    for axes, each in zip(panels, shown(), strict=True):
+        base = each.base
+        draw(axes, each)
+        along, across = extent(base)
+        rows.append(
+            [
+                each.figure,
+                each.words,
+                f"{base.cell_velocity:.4f}",
+                f"{base.gap:.3f}",
+                f"{base.train.radius - base.largest_radius:.3f}",
+                f"{along:.2f}; {2.0 * across:.2f}",
+                f"{base.effective_viscosity:.4f}",
+                f"{base.residual:.0e}",
+                f"{base.truncation_error:.0e}",
+                "yes" if base.residual < CONVERGED else "no",
+            ]
+        )
+        page.log(" | ".join(rows[-1]))
+    page.table(
+        (
+            "figure",
+            "train",
+            "velocity of the cells",
+            "gap",
+            "distance from the wall",
+            "cell: length; width",
+            "effective viscosity",
+            "residual",
+            "left out",
+            "converged",
+        ),
+        rows,
+    )
+    page.figure(figure, "Sections along the axis; the flow is to the right")
+    page.write()
+
+
+def extent(base: Base) -> tuple[float, float]:
+    """Length along the axis and largest radius of a cell, r0."""
+    radius, height = meridian(base.coefficients)
+    return float(np.ptp(height)), float(radius.max())
+
+
+def draw(axes: Axes, each: Shown) -> None:
+    """A few cells of a train in its tube, cut along the axis."""
+    train = each.base.train
+    radius, height = meridian(each.base.coefficients)
+    along = np.concatenate([height, height[::-1]])
+    across = np.concatenate([radius, -radius[::-1]])
+    for cell in range(CELLS_SHOWN):
+        axes.fill(along + cell * train.period, across, facecolor="#E8A5A3", edgecolor="#7A1210")
+    for side in (-1.0, 1.0):
+        axes.axhline(side * train.radius, color="0.25", linewidth=1.2)
+    axes.set_aspect("equal")
+    middle = along.mean() + 0.5 * (CELLS_SHOWN - 1) * train.period
+    axes.set_xlim(middle - 8.5, middle + 8.5)
+    axes.axis("off")
+    axes.set_title(f"Fig. {each.figure}: {each.words}", fontsize=9, loc="left")
