@@ -79,11 +79,11 @@ def ad_hoc_section(page: Page, dense: Train, amplitude: float) -> None:
     page.text(
         f"""
 |exp(A t) d| of {len(SEEDS)} random displacements with eps = {amplitude:g}, seeds 0 to
-{len(SEEDS) - 1}, in the linear theory alone, beside the leading mode of the same eps. A displacement
-without deformation has a larger eps_x than the mode to begin with, since Eq. (8) counts what is of
-order 0 half, and is carried along by the shear of the flow across the tube at first, which the
-modes' growth rates do not show. So it is as fast as the mode or faster, and the simulation agrees;
-why the paper finds it {min(PAPER_SLOWER.values()):g} to {max(PAPER_SLOWER.values()):g} times slower
-is open.
+{len(SEEDS) - 1}, in the linear theory alone, beside the leading mode of the same eps. A
+displacement without deformation has a larger eps_x than the mode to begin with, since Eq. (8)
+counts what is of order 0 half, and is carried along by the shear of the flow across the tube at
+first, which the modes' growth rates do not show. So it is as fast as the mode or faster, and the
+simulation agrees; why the paper finds it {min(PAPER_SLOWER.values()):g} to
+{max(PAPER_SLOWER.values()):g} times slower is open.
 """
     )
