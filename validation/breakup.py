@@ -116,7 +116,7 @@ def state(name: str, content: Mapping[str, Any] | None) -> str:
 
 def finished(name: str, content: Mapping[str, Any]) -> bool:
     """Whether a simulation has been followed as long as it is meant to be."""
-    return bool(content["time"] >= CASES[name].until * (1.0 - 1e-9))
+    return bool(content["times"][-1] >= CASES[name].until * (1.0 - 1e-9))
 
 
 def runs_table(page: Page, found: Mapping[str, Mapping[str, Any]]) -> None:

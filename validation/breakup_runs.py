@@ -59,7 +59,7 @@ CASES: dict[str, Case] = {
         "the fastest mode of a sparse train, Fig. 11",
         DENSE.changed(packing=0.2),
         Leading(AMPLITUDE),
-        500.0,
+        350.0,
     ),
     "eight": Case("eight cells in a tube, Fig. 1a", SPARSE, RandomDisplacement(0.5), 1000.0),
     "twelve": Case("twelve in the same tube, Fig. 1b", LONGER, RandomDisplacement(0.5), 600.0),
