@@ -12,7 +12,8 @@ from celltrain.train import meridian
 
 # The paper's criterion of convergence, velocity along the normal in U (Sec. V A).
 CONVERGED = 1e-4
-CELLS_SHOWN = 3
+# Half of what is shown of the tube, r0.
+HALF_WINDOW = 8.5
 WIDE, NARROW = 10.0, 6.0
 
 
@@ -56,7 +57,7 @@ The trains of the paper's Figs. 5, 15 and 18, N = 8, M = 12, viscosity ratio 1, 
 depend on. Ca as the paper counts it; the packing of Fig. 15 it does not say. Residual: largest
 velocity of the membrane against the moving train, of the harmonics that there are; left out: what
 more harmonics would have. The paper calls a train converged whose velocity along the normal is
-below {CONVERGED:g} U. Lengths in r0, velocities in U.
+below {CONVERGED:.0e} U. Lengths in r0, velocities in U.
 """
     )
     rows = []
@@ -107,17 +108,18 @@ def extent(base: Base) -> tuple[float, float]:
 
 
 def draw(axes: Axes, each: Shown) -> None:
-    """A few cells of a train in its tube, cut along the axis."""
+    """As many cells of a train in its tube as there is room for, cut along the axis."""
     train = each.base.train
     radius, height = meridian(each.base.coefficients)
     along = np.concatenate([height, height[::-1]])
     across = np.concatenate([radius, -radius[::-1]])
-    for cell in range(CELLS_SHOWN):
+    cells = min(train.cells, int(2.0 * HALF_WINDOW / train.period))
+    for cell in range(cells):
         axes.fill(along + cell * train.period, across, facecolor="#E8A5A3", edgecolor="#7A1210")
     for side in (-1.0, 1.0):
         axes.axhline(side * train.radius, color="0.25", linewidth=1.2)
     axes.set_aspect("equal")
-    middle = along.mean() + 0.5 * (CELLS_SHOWN - 1) * train.period
-    axes.set_xlim(middle - 8.5, middle + 8.5)
+    middle = along.mean() + 0.5 * (cells - 1) * train.period
+    axes.set_xlim(middle - HALF_WINDOW, middle + HALF_WINDOW)
     axes.axis("off")
     axes.set_title(f"Fig. {each.figure}: {each.words}", fontsize=9, loc="left")
