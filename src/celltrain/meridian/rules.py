@@ -1,0 +1,111 @@
+"""Sizes of the rules on a meridian, chosen from the shape, the tube and an accuracy.
+
+The own surface's polar rule grows with the degree, and with the length of the cell; smooth sources
+(images, tail, wall) need n points in theta where the nearest target or its image in the wall is at
+the distance d, since Gauss-Legendre errs by about 30 exp(-2 n d/h), h = |dx/dtheta| there.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from celltrain.meridian.grids import Profile, meridian_grid
+
+#: Relative error of the parts of the flow that is aimed at.
+TOLERANCE = 1e-8
+# Polar rule about a target, per degree: along alpha and around (the whole circle). At 12 of them
+# blocks are right to 4e-6, at 5 and 6 per degree to 5e-8.
+RADIAL, AROUND = 4.0, 5.0
+# |dx/dtheta| of a cell (r0) that these serve; longer cells take more in proportion.
+USUAL_STRETCH = 1.6
+# Longitudes per colatitude of a product grid.
+LONGITUDES = 1.6
+# Images whose axial distance is below this are summed one by one.
+NEAREST_IMAGE = 0.8
+# Points of a meridian among which distances are taken.
+POINTS = 200
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Sizes of all rules for one shape.
+
+    `targets`: colatitudes at which the velocity is evaluated; `radial`, `half_circle`: nodes of the
+    polar rule; `sources`: colatitudes of smooth sources; `image_sources`, `image_half_circle`: of
+    the nearest images, `nearest` of which are on each side; `tolerance` of tail and wall.
+    """
+
+    targets: int
+    radial: int
+    half_circle: int
+    sources: int
+    image_sources: int
+    image_half_circle: int
+    nearest: int
+    tolerance: float
+
+    def finer(self) -> "Rules":
+        """More of everything but the degree, for an estimate of what the rules leave."""
+        return replace(
+            self,
+            targets=math.ceil(1.75 * self.targets),
+            radial=math.ceil(1.25 * self.radial),
+            half_circle=math.ceil(1.25 * self.half_circle),
+            sources=math.ceil(1.25 * self.sources),
+            image_sources=math.ceil(1.25 * self.image_sources),
+            image_half_circle=math.ceil(1.25 * self.image_half_circle),
+            tolerance=max(0.1 * self.tolerance, 1e-13),
+        )
+
+
+def choose_rules(
+    profile: Profile,
+    *,
+    period: float,
+    radius: float,
+    targets: int,
+    tolerance: float = TOLERANCE,
+    radial: int | None = None,
+    around: int | None = None,
+) -> Rules:
+    """The rules for a shape.
+
+    **Arguments:** `period`, `radius` of the tube, r0; `targets`: their number; `radial` and
+    `around`: the polar rule's nodes, instead of what the degree and the shape ask for.
+    """
+    degree = profile.shape[1]
+    grid = meridian_grid(degree, POINTS)
+    tables = grid.tables(1)
+    z, rho = grid.places(profile)
+    stretch = np.hypot(profile[0] @ tables.slope[0], profile[1] @ tables.slope[1])
+    digits = math.log(30.0 / tolerance)
+    longer = max(1.0, float(stretch.max()) / USUAL_STRETCH)
+    finer = math.log(1.0 / tolerance) / math.log(1.0 / TOLERANCE)
+
+    def points(distance: float) -> int:
+        return math.ceil(0.5 * digits * float(stretch.max()) / distance)
+
+    nearest = 0
+    length = float(z.max() - z.min())
+    while (nearest + 1) * period - length < NEAREST_IMAGE:
+        nearest += 1
+    least = max(math.ceil(2.5 * degree), 12)
+    clearance = radius - float(rho.max())
+    image = math.inf
+    for shift in (period, -period):
+        across = (rho[:, None] - rho) ** 2 + (z[:, None] - z - shift) ** 2
+        image = min(image, math.sqrt(float(across.min())))
+    image_sources = max(least, points(image))
+    return Rules(
+        targets=targets,
+        radial=math.ceil(RADIAL * degree * longer * finer) if radial is None else radial,
+        half_circle=math.ceil(0.5 * (AROUND * degree * longer * finer))
+        if around is None
+        else around // 2,
+        sources=max(least, points(2.0 * clearance), points(NEAREST_IMAGE)),
+        image_sources=image_sources,
+        image_half_circle=math.ceil(0.5 * LONGITUDES * image_sources),
+        nearest=nearest,
+        tolerance=tolerance,
+    )
