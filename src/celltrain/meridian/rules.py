@@ -45,6 +45,21 @@ class Rules:
     nearest: int
     tolerance: float
 
+    def covers(self, other: "Rules") -> bool:
+        """Whether these rules serve where others are asked for, without being twice as fine."""
+        return self.tolerance == other.tolerance and all(
+            asked <= here <= 2 * asked
+            for here, asked in (
+                (self.targets, other.targets),
+                (self.radial, other.radial),
+                (self.half_circle, other.half_circle),
+                (self.sources, other.sources),
+                (self.image_sources, other.image_sources),
+                (self.image_half_circle, other.image_half_circle),
+                (self.nearest + 1, other.nearest + 1),
+            )
+        )
+
     def finer(self) -> "Rules":
         """More of everything but the degree, for an estimate of what the rules leave."""
         return replace(
@@ -80,11 +95,12 @@ def choose_rules(
     z, rho = grid.places(profile)
     stretch = np.hypot(profile[0] @ tables.slope[0], profile[1] @ tables.slope[1])
     digits = math.log(30.0 / tolerance)
-    longer = max(1.0, float(stretch.max()) / USUAL_STRETCH)
+    # In steps, so that shapes that differ by little share their rules and tables.
+    longer = max(1.0, math.ceil(4.0 * float(stretch.max()) / USUAL_STRETCH) / 4.0)
     finer = math.log(1.0 / tolerance) / math.log(1.0 / TOLERANCE)
 
     def points(distance: float) -> int:
-        return math.ceil(0.5 * digits * float(stretch.max()) / distance)
+        return _rung(0.5 * digits * float(stretch.max()) / distance)
 
     nearest = 0
     length = float(z.max() - z.min())
@@ -109,3 +125,9 @@ def choose_rules(
         nearest=nearest,
         tolerance=tolerance,
     )
+
+
+def _rung(number: float) -> int:
+    """The next of a ladder of sizes, of which each is an eighth larger than the one before."""
+    rung = math.ceil(math.log(max(number, 1.0)) / math.log(1.125))
+    return math.ceil(1.125**rung)

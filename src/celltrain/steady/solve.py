@@ -1,45 +1,36 @@
-"""Steady trains: pseudo-transient continuation from rest, then Newton's method.
+"""Steady trains: from rest, from another train, or by a detour through easier ones.
 
-Implicit Euler steps with the exact Jacobian follow the train's own dynamics from the given shape,
-so the branch that is found is the one that marching finds; the step doubles while the shape moves
-little, until Newton's method takes over (Kelley & Keyes 1998).
+The branch is the one that the flow reaches from rest (`iterate.march`). Where the cell at rest has
+no room, or the march leads nowhere, the same branch is followed from a case that is easier: a wider
+tube, with more room between the cells (`path.follow`).
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from celltrain.membrane import resting_shape
-from celltrain.parameters import Train
-from celltrain.programs import forget_many_programs
-from celltrain.runtime import timed
+from celltrain.clock import timed
+from celltrain.harmonics import Profile, coefficients_of
+from celltrain.meridian.geometry import largest_radius, size_at_rest, streamwise_gap
+from celltrain.parameters import CaseError, Train
 from celltrain.steady.base import Base, Iteration, NotConverged
-from celltrain.steady.system import State, SteadySystem, bordered_step, steady_system
-from celltrain.train import (
-    clearance,
-    close_distance,
-    largest_radius,
-    rates_error,
-    size_at_rest,
-    streamwise_gap,
-)
+from celltrain.steady.iterate import Iterated, Progress, march, newton
+from celltrain.steady.path import Followed, change_degree, follow
+from celltrain.steady.problem import SteadyProblem, SteadyState
+from celltrain.steady.room import check_room
 
 TOLERANCE = 1e-9
-FIRST_STEP = 0.3
-# Largest displacement (r0) of a membrane point in one step of the march.
-LARGEST_MOVE = 0.4
-SMALLEST_STEP = 1e-4
-# Largest factor by which one step of the march may raise the residual.
-LARGEST_RISE = 3.0
-# Newton's method takes over when the residual is below this; a step that raises it is given back,
-# and the march goes on to a tenth of it.
-NEWTON_RESIDUAL = 2e-2
-
-Progress = Callable[[Iteration], None]
+MOST_ITERATIONS = 400
+#: The march from rest is of this degree at most; higher degrees follow from it.
+MARCH_DEGREE = 12
+#: Degrees through which a train of a high degree is reached, if it is not at once.
+DEGREES = (12, 16, 20, 24, 32, 40, 48)
+# Where a detour begins: tubes and periods, relative to the cell at rest, in which the march is easy.
+EASY_DIAMETER, EASY_PERIOD = 1.5, 2.0
+# What is reported of the velocity's error over the largest difference found.
+MARGIN = 1.5
 
 
 def steady(
@@ -47,7 +38,7 @@ def steady(
     *,
     start: Base | None = None,
     tolerance: float = TOLERANCE,
-    max_iterations: int = 80,
+    max_iterations: int = MOST_ITERATIONS,
     estimate_error: bool = True,
     progress: Progress | None = None,
 ) -> Base:
@@ -55,186 +46,207 @@ def steady(
 
     **Arguments:**
 
-    - `train`: what to compute; the number of cells does not matter here.
-    - `start`: a solution at other parameters, followed to these ones: its displacement from its own
-      shape at rest is the first guess for that from the one of `train`. Its degree may differ.
-    - `tolerance`: bound on the residual, in U. 1e-9 is reached in all cases tried; what remains
-      then is the roundoff of the sums.
+    - `train`: what to compute; the number of cells does not matter here. A train without a degree
+      gets one, 12 or the next at which the cells' velocity is known to 1e-4 U.
+    - `start`: a solution at other parameters, followed to these ones. Its degree may differ.
+    - `tolerance`: bound on the residual, in U. Where rounding does not let it be reached, the
+      residual that stands is accepted below 1e-7 U, and reported.
     - `estimate_error`: estimate the velocity's error with finer rules (else it is not a number).
     - `progress`: called after every iteration.
 
     **Returns:** a `Base`.
 
-    **Raises:** `NotConverged`, which carries the last state and the history. Steps after which
-    cells would overlap are not taken. `CaseError` if the tube has no room for the cells at rest,
-    which for cells of another reduced volume is only known here.
+    **Raises:** `NotConverged`, which carries the last state and the history. `CaseError` if the
+    cell cannot pass the tube, or there is no room for the cells.
     """
-    forget_many_programs()
+    if train.resolution.degree is None:
+        return _at_some_degree(train, start, tolerance, max_iterations, estimate_error, progress)
     seconds: dict[str, float] = {}
     with timed(seconds, "base"):
-        base, converged = _find(train, start, tolerance, max_iterations, progress)
+        check_room(train)
+        search = _Search(tolerance, max_iterations, progress)
+        if start is None:
+            followed, origin = search.from_rest(train)
+        else:
+            followed = search.from_train(start, train)
+            origin = f"continuation from {describe_change(start.train, train)}"
+        base = describe(followed.problem, followed.iterated, origin)
     base = replace(base, seconds=seconds)
-    if not converged:
-        raise NotConverged(_complaint(base, tolerance, max_iterations), base)
+    if not followed.complete:
+        raise NotConverged(_complaint(train, followed, tolerance, max_iterations), base)
     if estimate_error:
         with timed(seconds, "velocity_error"):
-            shape = base.coefficients[None]
-            close = comes_close(train, base.coefficients)
-            error = rates_error(train, shape, axisymmetric=True, close=close)
-        base = replace(base, velocity_error=error)
+            base = replace(base, velocity_error=velocity_error(followed.iterated.state))
     return base
 
 
-def _find(
-    train: Train,
-    start: Base | None,
-    tolerance: float,
-    max_iterations: int,
-    progress: Progress | None,
-) -> tuple[Base, bool]:
-    """The last state of the iteration, and whether it is steady."""
-    diameter, thickness = size_at_rest(resting_shape(train.cell, train.resolution.degree))
-    # A train that follows from another one need not have room at rest.
-    train.check_room(diameter, thickness if start is None else 0.0)
-    system = steady_system(
-        train, close=start is not None and comes_close(train, start.coefficients)
-    )
-    rest = np.asarray(system.operator.membrane.reference_shape)
-    guess = rest if start is None else _carried(start, rest)
-    target_volume = float(system.operator.membrane.volume(jnp.asarray(rest)))
-    unknowns = np.array(system.unknowns(jnp.asarray(guess)))
-    state = system.state(jnp.asarray(unknowns))
-    history: list[Iteration] = []
-    time_step = FIRST_STEP
-    # A nearby solution needs no march, unless Newton's method turns out to fail.
-    newton_below = NEWTON_RESIDUAL if start is None else math.inf
-    converged = False
-    while len(history) < max_iterations and time_step >= SMALLEST_STEP:
-        residual = float(state.residual)
-        volume_error = abs(float(state.volume) - target_volume)
-        converged = residual < tolerance and volume_error < tolerance
-        if converged and system.operator.tube.close is None:
-            shape = np.asarray(system.shape(jnp.asarray(unknowns)))
-            if comes_close(train, shape):
-                # The rules for cells at a distance have brought it near to the solution.
-                system = steady_system(train, close=True)
-                state = system.state(jnp.asarray(unknowns))
-                continue
-        if converged or not math.isfinite(residual):
-            break
-        newton = residual < newton_below
-        step = math.inf if newton else time_step
-        change = bordered_step(state, target_volume, step)
-        moved = _largest_move(system, change)
-        following = state
-        accepted = moved < LARGEST_MOVE
-        if accepted:
-            following = system.state(jnp.asarray(unknowns + change))
-            # The march may pass through larger residuals; Newton's method may not, unless it
-            # only corrects the volume.
-            rise = 1.0 if newton and residual > 1e-6 else LARGEST_RISE
-            accepted = float(following.residual) < rise * residual
-            shape = np.asarray(system.shape(jnp.asarray(unknowns + change)))
-            accepted = accepted and streamwise_gap(shape, train.period) > 0.0
-        if not accepted:
-            if newton:
-                newton_below = 0.1 * residual
-            else:
-                time_step *= 0.5
-            continue
-        history.append(
-            Iteration("newton" if newton else "march", residual, step, float(state.cell_velocity))
+@dataclass
+class _Search:
+    """The ways to a train, and how many iterations they have left."""
+
+    tolerance: float
+    left: int
+    progress: Progress | None
+
+    def _counted(self, followed: Followed) -> Followed:
+        self.left -= len(followed.iterated.history)
+        return followed
+
+    def from_rest(self, train: Train) -> tuple[Followed, str]:
+        """By the march, or a detour; then to the degree."""
+        low = train.changed(degree=min(train.degree, MARCH_DEGREE), **_no_sizes(train))
+        origin = "march from the resting shape"
+        marched = self._march(low)
+        if not marched.complete:
+            easy = easier(low)
+            if easy is not None:
+                begun = self._march(easy)
+                if begun.complete:
+                    origin = f"march from the resting shape with {describe_change(easy, low)}"
+                    profile = begun.iterated.state.profile
+                    marched = self._follow(easy, profile, low, first=0.125)
+                    marched = _joined(begun, marched)
+        if not marched.complete or low == train:
+            return marched, origin
+        return _joined(marched, self._to_degree(low, marched.iterated.state.profile, train)), origin
+
+    def from_train(self, start: Base, train: Train) -> Followed:
+        """Along a path of parameters at the start's degree, then to another degree."""
+        same = train.changed(degree=start.train.degree, **_no_sizes(train))
+        if start.train.degree == train.degree:
+            same = train
+        followed = self._follow(start.train, start.profile, same)
+        if not followed.complete or same == train:
+            return followed
+        return _joined(followed, self._to_degree(same, followed.iterated.state.profile, train))
+
+    def _march(self, train: Train) -> Followed:
+        problem = SteadyProblem(train)
+        found = march(
+            problem, problem.rest, tolerance=self.tolerance, most=self.left, progress=self.progress
         )
-        unknowns, state = unknowns + change, following
-        if not newton and moved < 0.5 * LARGEST_MOVE:
-            time_step *= 2.0
-        if progress is not None:
-            progress(history[-1])
-    origin = "march from the resting shape"
-    if start is not None:
-        origin = f"continuation from {describe_change(start.train, train)}"
-    return describe(system, train, unknowns, state, tuple(history), origin), converged
+        return self._counted(Followed(problem, found, found.steady))
+
+    def _follow(
+        self, begin: Train, profile: Profile, end: Train, first: float = 1.0
+    ) -> Followed:
+        return self._counted(
+            follow(
+                begin,
+                profile,
+                end,
+                tolerance=self.tolerance,
+                most=self.left,
+                first=first,
+                progress=self.progress,
+            )
+        )
+
+    def _to_degree(self, train: Train, profile: Profile, end: Train) -> Followed:
+        """At once if that leads there, otherwise through the degrees between."""
+        followed = self._corrected(end, profile, train)
+        if followed.complete:
+            return followed
+        here, step = profile, train
+        for degree in [d for d in DEGREES if train.degree < d < end.degree] + [end.degree]:
+            following = end if degree == end.degree else train.changed(degree=degree)
+            followed = _joined(followed, self._corrected(following, here, step))
+            if not followed.complete:
+                break
+            here, step = followed.iterated.state.profile, following
+        return followed
+
+    def _corrected(self, train: Train, profile: Profile, before: Train) -> Followed:
+        problem = SteadyProblem(train)
+        moved = problem.rest - change_degree(SteadyProblem(before).rest, problem.degree)
+        guess = change_degree(profile, problem.degree) + moved
+        found = newton(
+            problem, guess, tolerance=self.tolerance, most=self.left, progress=self.progress
+        )
+        return self._counted(Followed(problem, found, found.steady))
 
 
-def _carried(
-    start: Base, rest: Float[np.ndarray, "3 coefficient"]
-) -> Float[np.ndarray, "3 coefficient"]:
-    """The shape of a train, moved by what its cell at rest differs from another one.
+def _no_sizes(train: Train) -> dict[str, None]:
+    """Sizes given for one degree are left out at another."""
+    names = ("energy_order", "source_order", "target_order", "polar_radial", "polar_azimuthal")
+    return dict.fromkeys(names)
 
-    That brings it nearly to the other cell's volume, which steps, however short, make up at once.
+
+def _joined(first: Followed, then: Followed) -> Followed:
+    history = (*first.iterated.history, *then.iterated.history)
+    return replace(then, iterated=replace(then.iterated, history=history))
+
+
+def easier(train: Train) -> Train | None:
+    """A case in which the cell at rest has room; None if the case itself gives it that."""
+    diameter, thickness = size_at_rest(SteadyProblem(train).rest)
+    wide = max(train.tube.diameter, EASY_DIAMETER * diameter)
+    sparse = min(train.packing, 1.0 / (EASY_PERIOD * max(thickness, 1.0)))
+    if wide == train.tube.diameter and sparse == train.packing:
+        return None
+    return train.changed(diameter=wide, packing=sparse)
+
+
+def velocity_error(state: SteadyState) -> float:
+    """What grids and rules leave of the velocity on the cells, relative to the largest.
+
+    The largest difference from the rates of change with finer rules, times a margin.
     """
-    degree = math.isqrt(rest.shape[-1])
-    before = resting_shape(start.train.cell, start.train.resolution.degree)
-    moved = rest - change_degree(before, degree)
-    return change_degree(start.coefficients, degree) + moved
+    flow = state.flow
+    finer = type(flow)(
+        flow.membrane,
+        flow.profile,
+        radius=flow.radius,
+        period=flow.period,
+        rules=flow.rules.finer(),
+    )
+    change = np.linalg.norm(finer.at_targets(flow.rates - finer.rates), axis=1).max()
+    return MARGIN * float(change / np.linalg.norm(finer.at_targets(finer.rates), axis=1).max())
 
 
-def comes_close(train: Train, shape: Float[np.ndarray, "3 coefficient"]) -> bool:
-    """Whether cells come so close to each other or the wall that their usual grids do not serve."""
-    return clearance(shape, train.period, train.radius) < close_distance(train)
-
-
-def _largest_move(system: SteadySystem, change: Float[np.ndarray, " unknown"]) -> float:
-    """Largest displacement of a membrane point by a change of the unknowns, in r0."""
-    values = np.asarray(system.operator.target_grid.values)
-    shape = np.einsum("u,uik->ik", change, np.asarray(system.basis))
-    moved = float(np.linalg.norm(values @ shape.T, axis=-1).max())
-    return moved if math.isfinite(moved) else math.inf
-
-
-def describe(
-    system: SteadySystem,
-    train: Train,
-    unknowns: Float[np.ndarray, " unknown"],
-    state: State,
-    history: tuple[Iteration, ...],
-    origin: str,
-) -> Base:
-    """The train with the given unknowns, its velocity's error not estimated."""
-    shape = np.asarray(system.shape(jnp.asarray(unknowns)))
+def describe(problem: SteadyProblem, iterated: Iterated, origin: str) -> Base:
+    """What is reported of a state."""
+    state, train = iterated.state, problem.train
+    profile = state.profile.copy()
+    profile[0, 0] = 0.0
     return Base(
         train=train,
-        coefficients=shape,
-        cell_velocity=float(state.cell_velocity),
-        gap=streamwise_gap(shape, train.period),
-        largest_radius=largest_radius(shape),
-        effective_viscosity=float(state.effective_viscosity),
-        residual=float(state.residual),
-        truncation_error=float(state.truncation_error),
+        coefficients=coefficients_of(profile),
+        cell_velocity=state.cell_velocity,
+        gap=streamwise_gap(profile, train.period),
+        largest_radius=largest_radius(profile),
+        effective_viscosity=state.flow.effective_viscosity,
+        residual=state.residual,
+        truncation_error=state.truncation_error,
         velocity_error=math.nan,
-        history=history,
+        history=iterated.history,
         origin=origin,
         seconds={},
     )
 
 
-def _complaint(base: Base, tolerance: float, max_iterations: int) -> str:
-    count = len(base.history)
-    reason = (
-        f"{max_iterations} iterations were not enough"
-        if count >= max_iterations
-        else "the residual is not a number"
-        if not math.isfinite(base.residual)
-        else "the step became too short"
-    )
+def _complaint(train: Train, followed: Followed, tolerance: float, most: int) -> str:
+    iterated = followed.iterated
+    reason = {
+        "iterations": f"{most} iterations were not enough",
+        "step": "no shorter step leads on",
+        "overlap": "the cells overlap each other or the wall",
+        "no number": "the residual is not a number",
+    }.get(iterated.outcome, "a way through other parameters ended")
+    where = describe_change(followed.problem.train, train)
+    reached = "" if followed.problem.train == train else f"; reached on the way: {where}"
     return (
-        f"no steady train: {reason} (iteration {count}, residual {base.residual:.2e} U, "
-        f"wanted {tolerance:.0e} U)"
+        f"no steady train: {reason} (iteration {len(iterated.history)}, residual"
+        f" {iterated.state.residual:.2e} U, wanted {tolerance:.0e} U){reached}"
     )
-
-
-def change_degree(
-    shape: Float[np.ndarray, "3 coefficient"], degree: int
-) -> Float[np.ndarray, "3 other"]:
-    """Coefficients cut or padded with zeros to another degree."""
-    changed = np.zeros((3, degree * degree))
-    count = min(shape.shape[-1], degree * degree)
-    changed[:, :count] = shape[:, :count]
-    return changed
 
 
 def describe_change(old: Train, new: Train) -> str:
     """The leaves in which two trains differ, with the old values: "packing = 0.2"."""
     before, after = old.leaves(), new.leaves()
-    changes = [f"{name} = {value}" for name, value in before.items() if after[name] != value]
+    changes = [
+        f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"
+        for name, value in before.items()
+        if after[name] != value
+    ]
     return ", ".join(changes) or "the same case"

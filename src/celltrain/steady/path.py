@@ -1,0 +1,116 @@
+"""From one steady train to another, along a path of parameters.
+
+All numbers in which two cases differ change together, in geometric proportion where both are
+positive. The guess for the next train is extrapolated from the last two, and corrected by Newton's
+method; a step that fails is halved, one that took few corrections is followed by a longer one.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from celltrain.harmonics import Profile
+from celltrain.parameters import Train
+from celltrain.steady.base import Iteration
+from celltrain.steady.iterate import Iterated, Progress, newton
+from celltrain.steady.problem import SteadyProblem
+
+#: Shortest step, as a part of the whole path.
+SMALLEST_PART = 1.0 / 1024.0
+# Newton's steps that one step along the path may take, and up to which the next one is longer.
+MOST_CORRECTIONS, FEW_CORRECTIONS = 10, 4
+# Trains on the way need not be exact.
+LOOSE = 1e-6
+
+
+@dataclass(frozen=True)
+class Followed:
+    """The last train of a path that was found, with the whole history, and if it is the end."""
+
+    problem: SteadyProblem
+    iterated: Iterated
+    complete: bool
+
+
+def follow(
+    begin: Train,
+    profile: Profile,
+    end: Train,
+    *,
+    tolerance: float,
+    most: int,
+    first: float = 1.0,
+    progress: Progress | None = None,
+) -> Followed:
+    """The steady train of `end`, from that of `begin` with the given profile.
+
+    **Arguments:** `tolerance`: bound on the residual; `most`: iterations in all; `first`: the first
+    step, as a part of the path.
+
+    **Raises:** `CaseError` if a case on the way is not allowed.
+    """
+    at = SteadyProblem(begin)
+    # Displacements from rest vary less than shapes where the cells themselves change.
+    known = [(0.0, profile - at.rest)]
+    history: list[Iteration] = []
+    reached: tuple[SteadyProblem, Iterated] | None = None
+    place, part = 0.0, first
+    while True:
+        following = min(1.0, place + part)
+        problem = SteadyProblem(between(begin, end, following))
+        guess = change_degree(_extrapolated(known, following), problem.degree) + problem.rest
+        found = newton(
+            problem,
+            guess,
+            tolerance=tolerance if following == 1.0 else max(LOOSE, tolerance),
+            most=min(MOST_CORRECTIONS, max(0, most - len(history))),
+            progress=progress,
+        )
+        history += found.history
+        if found.steady:
+            reached = problem, found
+            place = following
+            known = [*known[-1:], (place, found.state.profile - problem.rest)]
+            if len(found.history) <= FEW_CORRECTIONS:
+                part *= 2.0
+        else:
+            part *= 0.5
+        if place == 1.0 or part < SMALLEST_PART or len(history) >= most:
+            problem, found = reached or (problem, found)
+            whole = Iterated(found.state, tuple(history), found.outcome)
+            return Followed(problem, whole, place == 1.0)
+
+
+def between(begin: Train, end: Train, place: float) -> Train:
+    """The case at a place of the path, 0 to 1; what is no number is that of the end.
+
+    **Raises:** `CaseError` if it is not allowed.
+    """
+    if place == 1.0:
+        return end
+    before, after = begin.leaves(), end.leaves()
+    changes = {}
+    for name, last in after.items():
+        start = before[name]
+        if start == last or not isinstance(start, float) or not isinstance(last, float):
+            continue
+        if start > 0.0 and last > 0.0:
+            changes[name] = start ** (1.0 - place) * last**place
+        else:
+            changes[name] = (1.0 - place) * start + place * last
+    return end.changed(**changes)
+
+
+def change_degree(profile: Profile, degree: int) -> Profile:
+    """A profile cut or padded with zeros to another degree."""
+    changed = np.zeros((2, degree))
+    count = min(degree, profile.shape[1])
+    changed[:, :count] = profile[:, :count]
+    return changed
+
+
+def _extrapolated(known: list[tuple[float, Profile]], place: float) -> Profile:
+    if len(known) == 1:
+        return known[0][1]
+    (first, before), (second, here) = known
+    return here + (place - second) / (second - first) * (here - before)

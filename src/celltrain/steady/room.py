@@ -1,0 +1,49 @@
+"""Whether there can be a train: whether the cell passes the tube, and cells fit in a row.
+
+A membrane keeps its area nearly, and its volume exactly. Of all shapes of area A and volume V the
+cylinder with two half spheres passes the narrowest tube (Canham & Burton 1968), whose radius r is
+the smallest root of
+
+    A r/2 - (2/3) pi r^3 = V.
+"""
+
+import math
+
+from scipy.optimize import brentq
+
+from celltrain.membrane import train_membrane
+from celltrain.parameters import CaseError, Train
+
+
+def least_diameter(area: float, volume: float) -> float:
+    """Diameter of the narrowest tube that a cell of this area and volume passes, in r0."""
+    sphere = math.sqrt(area / (4.0 * math.pi))
+
+    def missing(r: float) -> float:
+        return 0.5 * area * r - 2.0 / 3.0 * math.pi * r**3 - volume
+
+    # A sphere has no area to spare: the two roots meet there.
+    if missing(sphere) <= 0.0:
+        return 2.0 * sphere
+    return 2.0 * float(brentq(missing, 0.0, sphere))
+
+
+def check_room(train: Train) -> None:
+    """See to it that the cells can pass the tube, and that it has room for them.
+
+    **Raises:** `CaseError` if not, with the least diameter or the largest packing.
+    """
+    membrane = train_membrane(train)
+    area, volume = (each(membrane.rest_profile) for each in (membrane.area, membrane.volume))
+    least = least_diameter(area, volume)
+    if train.tube.diameter <= least:
+        raise CaseError(
+            f"diameter = {train.tube.diameter:g} is not allowed: a cell of area {area:.3f} r0^2 and"
+            f" volume {volume:.3f} r0^3 passes no tube as narrow; allowed: > {least:.4f}"
+        )
+    most = math.pi * train.radius**2 / volume
+    if train.packing >= most:
+        raise CaseError(
+            f"packing = {train.packing:g} is not allowed: the cells would fill more than the tube;"
+            f" allowed: > 0 and < {most:.4f}"
+        )
