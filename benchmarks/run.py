@@ -40,7 +40,8 @@ COLUMNS = (
     "peak_mib",
     "runs",
 )
-COMMAND = ["stability", "--diameter", "6", "--packing", "0.2", "--cells", "8", "--json"]
+CASE = ["--diameter", "6", "--packing", "0.2", "--cells", "8", "--degree", "12"]
+COMMAND = ["stability", *CASE, "--json"]
 
 
 @dataclass(frozen=True)

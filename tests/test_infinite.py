@@ -187,7 +187,7 @@ def test_command_refuses(capsys) -> None:
     case = ["stability", "--infinite", "--diameter", "6", "--packing", "0.2"]
     assert main([*case, "--wave-number", "4"]) == 2
     assert "wave_numbers = 4 is not allowed" in capsys.readouterr().err
-    assert main([*case, "--azimuthal-numbers", "13"]) == 2
+    assert main([*case, "--degree", "12", "--azimuthal-numbers", "13"]) == 2
     assert "azimuthal_numbers = 13" in capsys.readouterr().err
     assert main([*case, "--error-bars", "2"]) == 2
     assert "error_bars is not allowed with infinite" in capsys.readouterr().err

@@ -83,7 +83,7 @@ def print_infinite(result: InfiniteTrain, console: Console) -> None:
     train, best = result.base.train, result.most_unstable
     console.print(
         f"infinite train: D = {train.tube.diameter:g} r0, packing {train.packing:g},"
-        f" M = {train.resolution.degree}"
+        f" M = {train.degree}"
     )
     length = "all cells alike"
     if best.wave_number > 0.0:

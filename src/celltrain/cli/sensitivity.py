@@ -143,7 +143,7 @@ def print_sensitivity(result: Sensitivity, console: Console) -> None:
     mode = found.mode
     console.print(
         f"D = {train.tube.diameter:g} r0, packing {train.packing:g}, N = {train.cells},"
-        f" M = {train.resolution.degree}"
+        f" M = {train.degree}"
     )
     console.print(
         f"mode m = {mode.azimuthal_number}, q = {mode.wave_number:.5g}: growth rate alpha ="

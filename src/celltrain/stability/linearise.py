@@ -203,7 +203,7 @@ def linear_blocks(
     column of a disturbance holds its rate of change; `A_m(-q)` is the complex conjugate of
     `A_m(q)`.
     """
-    degree = train.resolution.degree
+    degree = train.degree
     directions, contents = combined_directions(degree, azimuthal_numbers)
     bases = {m: azimuthal_basis(degree, m) for m in azimuthal_numbers}
     blocks: Blocks = {

@@ -158,7 +158,7 @@ def wave_sensitivities(
     moving = train_operator(equal, close=close, wave_number=mode.wave_number)
     wave = variation(moving, train, names)
     shape = jnp.asarray(base.coefficients)
-    basis = azimuthal_basis(train.resolution.degree, mode.azimuthal_number)
+    basis = azimuthal_basis(train.degree, mode.azimuthal_number)
     directions = np.einsum("pu,uik->pik", [mode.right.real, mode.right.imag], basis)
     value = complex(mode.growth_rate, mode.frequency)
 

@@ -33,6 +33,8 @@ FIRST_STEP = 0.3
 # Largest displacement (r0) of a membrane point in one step of the march.
 LARGEST_MOVE = 0.4
 SMALLEST_STEP = 1e-4
+# Degree of a train that has none.
+UNLESS_GIVEN = 12
 # Largest factor by which one step of the march may raise the residual.
 LARGEST_RISE = 3.0
 # Newton's method takes over when the residual is below this; a step that raises it is given back,
@@ -55,7 +57,8 @@ def steady(
 
     **Arguments:**
 
-    - `train`: what to compute; the number of cells does not matter here.
+    - `train`: what to compute; the number of cells does not matter here. Without a degree it is
+      computed at 12, which the train of the result then has.
     - `start`: a solution at other parameters, followed to these ones: its displacement from its own
       shape at rest is the first guess for that from the one of `train`. Its degree may differ.
     - `tolerance`: bound on the residual, in U. 1e-9 is reached in all cases tried; what remains
@@ -70,6 +73,7 @@ def steady(
     which for cells of another reduced volume is only known here.
     """
     forget_many_programs()
+    train = train.resolved(UNLESS_GIVEN)
     seconds: dict[str, float] = {}
     with timed(seconds, "base"):
         base, converged = _find(train, start, tolerance, max_iterations, progress)
@@ -93,7 +97,7 @@ def _find(
     progress: Progress | None,
 ) -> tuple[Base, bool]:
     """The last state of the iteration, and whether it is steady."""
-    diameter, thickness = size_at_rest(resting_shape(train.cell, train.resolution.degree))
+    diameter, thickness = size_at_rest(resting_shape(train.cell, train.degree))
     # A train that follows from another one need not have room at rest.
     train.check_room(diameter, thickness if start is None else 0.0)
     system = steady_system(
@@ -164,7 +168,7 @@ def _carried(
     That brings it nearly to the other cell's volume, which steps, however short, make up at once.
     """
     degree = math.isqrt(rest.shape[-1])
-    before = resting_shape(start.train.cell, start.train.resolution.degree)
+    before = resting_shape(start.train.cell, start.train.degree)
     moved = rest - change_degree(before, degree)
     return change_degree(start.coefficients, degree) + moved
 
