@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Self
 
 from pydantic import Field, model_validator
+from pydantic.config import JsonDict
 
 from celltrain.parameters.errors import CaseError
 from celltrain.parameters.section import Real, Section, Whole
@@ -11,7 +12,7 @@ from celltrain.parameters.section import Real, Section, Whole
 #: Least and largest degree of a case.
 LEAST_DEGREE, LARGEST_DEGREE = 6, 48
 #: Default of a size, in words.
-FOLLOWS = {"default": "follows from the degree"}
+FOLLOWS: JsonDict = {"default": "follows from the degree"}
 
 
 @dataclass(frozen=True)
@@ -121,8 +122,7 @@ class Resolution(Section):
         if degree is None:
             raise CaseError(
                 "degree is not given, so neither are the sizes that follow from it: give the case"
-                f" a degree ({LEAST_DEGREE} to {LARGEST_DEGREE}), or take the train of a result, which has"
-                " one"
+                f" one ({LEAST_DEGREE} to {LARGEST_DEGREE}), or take the train of a result"
             )
         usual = {
             "energy_order": 3 * degree,

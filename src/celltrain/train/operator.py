@@ -270,7 +270,7 @@ def train_operator(
     cells: int = 1,
     rings: bool = True,
     meridian: bool = False,
-    wave_number: float | None = None,
+    phase: float | None = None,
     close: bool | None = None,
     gap: float | None = None,
 ) -> TrainOperator:
@@ -281,7 +281,7 @@ def train_operator(
     - `rings`: the base shapes are axisymmetric about the axis (derivatives may leave that); with
       `rings=False` any shapes are allowed.
     - `meridian`: only axisymmetric shapes and disturbances.
-    - `wave_number`: q in radians per period, for disturbances that change by exp(i q) from one
+    - `phase`: q in radians per period, for disturbances that change by exp(i q) from one
       period to the next.
     - `close`: whether cells may come closer to each other or to the wall than `close_distance`;
       by default they may, unless they form rings.
@@ -312,7 +312,7 @@ def train_operator(
         cutoff=resolution.near_cutoff,
         tolerance=resolution.tolerance,
         rings=rings,
-        wave_number=wave_number,
+        phase=phase,
         close=close_evaluation if (not rings if close is None else close) else None,
         # Errors of the ordinary rules fall exponentially with the distance.
         coarse_beyond=2.0
