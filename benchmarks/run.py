@@ -40,7 +40,8 @@ COLUMNS = (
     "peak_mib",
     "runs",
 )
-COMMAND = ["stability", "--diameter", "6", "--packing", "0.2", "--cells", "8", "--json"]
+CASE = ["--diameter", "6", "--packing", "0.2", "--cells", "8", "--degree", "12"]
+COMMAND = ["stability", *CASE, "--json"]
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ CASES = (
     Case("base", "steady train from rest", 3, 10.0, None, 40.0),
     Case("blocks", "all blocks A_m(q)", 3, 15.0, None, 59.0),
     Case("spectrum", "spectra, numerical abscissas", 3),
-    Case("infinite", "infinite train: 17 wave numbers, m = 0 to 3", 3, 60.0),
+    Case("infinite", "infinite train: 17 phases, m = 0 to 3", 3, 60.0),
     Case("command", "the whole command", 3, 45.0),
 )
 

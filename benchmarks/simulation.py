@@ -34,7 +34,7 @@ from celltrain.evolution.interpolation import interpolated
 from celltrain.evolution.state import State
 
 RESULTS = Path(__file__).resolve().parent / "simulation.csv"
-TRAIN = Train(diameter=10, packing=0.7, cells=8)
+TRAIN = Train(diameter=10, packing=0.7, cells=8, degree=12)
 AMPLITUDE = 0.1
 # Times in r0/U: of the first transients, and of the windows.
 SPIN_UP = 20.0

@@ -31,8 +31,8 @@ from celltrain.stability import (
 )
 from celltrain.train import TrainOperator, place_cells, resting_shapes, train_operator
 
-TRAIN = Train(diameter=6, packing=0.2, cells=8)
-AZIMUTHAL_NUMBERS = range(TRAIN.resolution.degree + 1)
+TRAIN = Train(diameter=6, packing=0.2, cells=8, degree=12)
+AZIMUTHAL_NUMBERS = range(TRAIN.degree + 1)
 WAVES = np.arange(TRAIN.cells // 2 + 1)
 # Size of the disturbance (r0) that makes the shapes of the train different from each other.
 DISTURBANCE = 0.01

@@ -51,7 +51,7 @@ def main(folder: Path = Path("out/boundary")) -> None:
     found = stability_boundary(
         start,
         azimuthal_number=1,
-        wave_number=0.0,
+        phase=0.0,
         most_points=4,
         steps=Steps(first=0.06, largest=0.12, tolerance=1e-6),
         progress=show,

@@ -39,8 +39,9 @@ def show(point: BranchPoint) -> None:
 
 
 def main() -> None:
+    train = Train(diameter=6, packing=0.2, cells=8, degree=12)
     with Reporter(Console(stderr=True), quiet=False) as reporter:
-        start = steady(Train(diameter=6, packing=0.2, cells=8), progress=reporter.iteration)
+        start = steady(train, progress=reporter.iteration)
     print("".join(f"{name:>10}" for name in HEAD))
     steps = Steps(first=0.2, largest=0.4)
     found = branch(start, "packing", to=0.7, steps=steps, analyse=dynamics, progress=show)

@@ -128,7 +128,7 @@ def _beside_theory(run: Run) -> str:
 
 def main(folder: Path = Path("out/demo")) -> None:
     errors, output = Console(stderr=True), Console()
-    sparse = compute(Train(diameter=6, packing=0.2, cells=8), None, errors)
+    sparse = compute(Train(diameter=6, packing=0.2, cells=8, degree=12), None, errors)
     dense = compute(sparse.base.train.changed(packing=0.5), sparse.base, errors)
     simulation = folder / "simulation"
     run = simulate(simulation / "run.nc", errors)

@@ -34,7 +34,7 @@ def main(folder: Path = Path("out/infinite_train")) -> None:
     output, start = Console(), None
     folder.mkdir(parents=True, exist_ok=True)
     for packing in (0.2, 0.5):
-        train = Train(diameter=6, packing=packing)
+        train = Train(diameter=6, packing=packing, degree=12)
         with Reporter(Console(stderr=True), quiet=False) as reporter:
             reporter.log(f"packing {packing:g}")
             start = steady(train, start=start, progress=reporter.iteration)

@@ -43,7 +43,7 @@ def main(folder: Path = Path("out/mechanisms")) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     output, base, curves = Console(), None, {}
     for packing in PACKINGS:
-        train = Train(diameter=6, packing=packing, cells=8)
+        train = Train(diameter=6, packing=packing, cells=8, degree=12)
         with Reporter(Console(stderr=True), quiet=False) as reporter:
             reporter.log(f"packing {packing:g}")
             base = steady(train, start=base, progress=reporter.iteration)

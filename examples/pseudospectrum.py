@@ -45,7 +45,8 @@ HEAD = ("m", "j", "alpha", "eta", "K", "max growth")
 def main(folder: Path = Path("out/pseudospectrum")) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     with Reporter(Console(stderr=True), quiet=False) as reporter:
-        base = steady(Train(diameter=6, packing=0.2, cells=8), progress=reporter.iteration)
+        train = Train(diameter=6, packing=0.2, cells=8, degree=12)
+        base = steady(train, progress=reporter.iteration)
         result = stability(
             base, azimuthal_numbers=range(4), estimate_error=False, progress=reporter.share
         )

@@ -39,7 +39,7 @@ def growth_rate(base: Base) -> float:
 
 def main(folder: Path = Path("out/sensitivity")) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    train = Train(diameter=6, packing=0.2, cells=8)
+    train = Train(diameter=6, packing=0.2, cells=8, degree=12)
     with Reporter(Console(stderr=True), quiet=False) as reporter:
         base = steady(train, progress=reporter.iteration)
         result = stability(base, azimuthal_numbers=[1], estimate_error=False)

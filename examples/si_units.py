@@ -62,6 +62,7 @@ def main() -> None:
         radius=CELL_RADIUS,
         packing=packing(),
         cells=8,
+        degree=12,
     )
     with Reporter(Console(stderr=True), quiet=False) as reporter:
         reporter.log(f"diameter {train.tube.diameter:.4g} r0, packing {train.packing:.3f}")

@@ -63,7 +63,7 @@ def make_base() -> Callable[..., Base]:
         )
         return Base(
             train=train,
-            coefficients=bullet(train.resolution.degree),
+            coefficients=bullet(train.degree),
             cell_velocity=1.7720 / 3 * 3,
             gap=0.1 + 0.2,
             largest_radius=1.277,
@@ -91,7 +91,7 @@ def make_stability(make_base: Callable[..., Base]) -> Callable[..., Stability]:
         blocks, eigenvalues, right, left = {}, {}, {}, {}
         modes = []
         for m in numbers:
-            size = len(azimuthal_basis(base.train.resolution.degree, m))
+            size = len(azimuthal_basis(base.train.degree, m))
             shape = (waves, size, size)
             blocks[m] = random.normal(size=shape) + 1j * random.normal(size=shape)
             right[m] = np.exp(-np.arange(size))[:, None] * blocks[m]

@@ -42,7 +42,7 @@ def test_the_curve_is_followed_to_the_side_asked_for(
         found = stability_boundary(
             start,
             azimuthal_number=M,
-            wave_number=Q,
+            phase=Q,
             towards=towards,
             rising=rising,
             most_points=8,
@@ -67,7 +67,7 @@ def test_a_short_piece_of_a_boundary() -> None:
     found = stability_boundary(
         start,
         azimuthal_number=M,
-        wave_number=Q,
+        phase=Q,
         towards="packing",
         most_points=3,
         steps=Steps(first=0.004, largest=0.008, tolerance=1e-8),
@@ -88,8 +88,8 @@ def test_a_short_piece_of_a_boundary() -> None:
 
 def test_what_is_refused(coarse_base: Base) -> None:
     with pytest.raises(CaseError, match="azimuthal_numbers = 7"):
-        stability_boundary(coarse_base, azimuthal_number=7, wave_number=0.0)
-    with pytest.raises(CaseError, match="wave_numbers = 4"):
-        stability_boundary(coarse_base, azimuthal_number=1, wave_number=4.0)
+        stability_boundary(coarse_base, azimuthal_number=7, phase=0.0)
+    with pytest.raises(CaseError, match="phases = 4"):
+        stability_boundary(coarse_base, azimuthal_number=1, phase=4.0)
     with pytest.raises(CaseError, match=r"towards = 'length'.*diameter or packing"):
-        stability_boundary(coarse_base, azimuthal_number=1, wave_number=0.0, towards="length")
+        stability_boundary(coarse_base, azimuthal_number=1, phase=0.0, towards="length")

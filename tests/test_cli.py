@@ -51,8 +51,10 @@ def test_unknown_key_in_a_case_file(tmp_path, capsys):
 
 
 def test_azimuthal_numbers_are_within_the_degree(capsys):
-    assert main(["stability", *CASE, "--azimuthal-numbers", "0", "13"]) == 2
+    assert main(["stability", *CASE, "--degree", "12", "--azimuthal-numbers", "0", "13"]) == 2
     assert "azimuthal_numbers = 13" in capsys.readouterr().err
+    assert main(["stability", *CASE, "--azimuthal-numbers", "0", "49"]) == 2
+    assert "to the degree, at most 48" in capsys.readouterr().err
     assert main(["stability", *CASE, "--azimuthal-numbers", "1.5"]) == 2
     assert "1.5" in capsys.readouterr().err
 
@@ -92,11 +94,23 @@ def test_case_is_a_complete_case_file(tmp_path, capsys):
     text = capsys.readouterr().out
     expected = Train(diameter=6, packing=0.2, degree=16, polar_radial=20)
     assert text == expected.to_toml()
-    assert tomllib.loads(text)["resolution"]["energy_order"] == 48
+    resolution = tomllib.loads(text)["resolution"]
+    assert (resolution["degree"], resolution["polar_radial"]) == (16, 20)
+    assert "energy_order" not in resolution
     path = tmp_path / "case.toml"
     path.write_text(text)
     assert main(["case", str(path), "--packing", "0.5"]) == 0
     assert capsys.readouterr().out == expected.changed(packing=0.5).to_toml()
+
+
+def test_a_case_need_not_have_a_degree(tmp_path, capsys):
+    assert main(["case", *CASE]) == 0
+    text = capsys.readouterr().out
+    assert set(tomllib.loads(text)["resolution"]) == {"near_cutoff", "tolerance"}
+    path = tmp_path / "case.toml"
+    path.write_text(text)
+    assert main(["case", str(path), "--degree", "16"]) == 0
+    assert capsys.readouterr().out == Train(diameter=6, packing=0.2, degree=16).to_toml()
 
 
 def test_options_in_si(capsys):
@@ -109,6 +123,9 @@ def test_every_leaf_is_an_option(capsys):
     text = capsys.readouterr().out
     for leaf in Train(diameter=6, packing=0.2).leaves("SI"):
         assert f"--{leaf.replace('_', '-')}" in text
+    words = " ".join(text.replace("│", " ").split())
+    assert words.count("default: follows from the degree") == 5
+    assert words.count("default: as the accuracy asks for") == 1
 
 
 def test_exit_status_of_the_process():

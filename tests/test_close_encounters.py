@@ -120,14 +120,14 @@ def test_estimate_bounds_the_effect_of_each_rule() -> None:
     estimate = rates_error(train, shapes, gap=GAP)
     assert estimate < 1e-3
 
-    values = np.asarray(sphere_grid(train.resolution.degree, 20).values)
+    values = np.asarray(sphere_grid(train.degree, 20).values)
 
     def velocity(**changes: int) -> np.ndarray:
         operator = train_operator(train.changed(**changes), cells=CELLS, rings=False, gap=GAP)
         return np.einsum("pk,cik->cpi", values, rates(operator, jnp.asarray(shapes)))
 
     expected = velocity()
-    for finer in ({"source_order": 34}, {"target_order": 2 * train.resolution.target_order}):
+    for finer in ({"source_order": 34}, {"target_order": 2 * train.sizes.target_order}):
         change = np.linalg.norm(velocity(**finer) - expected, axis=-1).max()
         assert 0.0 < change < estimate * np.linalg.norm(expected, axis=-1).max()
 

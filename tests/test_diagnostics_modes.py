@@ -28,7 +28,7 @@ def waves(
 ) -> np.ndarray:
     """Re(vector exp(i (q p + phase))) for every cell p."""
     base = result.base
-    basis = azimuthal_basis(base.train.resolution.degree, mode.azimuthal_number)
+    basis = azimuthal_basis(base.train.degree, mode.azimuthal_number)
     q = 2 * np.pi * mode.wave_number / base.train.cells
     turn = np.exp(1j * (q * np.arange(base.train.cells) + phase))
     return np.einsum("p,u,uik->pik", turn, vector, basis).real

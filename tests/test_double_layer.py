@@ -121,7 +121,7 @@ def operator() -> TrainOperator:
 def shapes() -> np.ndarray:
     """A cell and a deformed sphere off the axis, without any symmetry."""
     random = np.random.default_rng(3)
-    low = np.arange(TRAIN.resolution.degree**2) < 16
+    low = np.arange(TRAIN.degree**2) < 16
     round_ = resting_shapes(TRAIN.changed(reference="sphere"), 2)[1]
     shapes = np.stack([resting_shapes(TRAIN, 2)[0], round_])
     shapes += 0.04 * low * random.normal(size=shapes.shape)

@@ -222,7 +222,7 @@ def test_the_amplitude_is_the_norm_of_the_paper(coarse_stability: Stability) -> 
     base = coarse_stability.base
     for m in (0, 1, 2):
         gram = PaperNorm().grams(base.coefficients, [m])[m]
-        basis = azimuthal_basis(base.train.resolution.degree, m)
+        basis = azimuthal_basis(base.train.degree, m)
         amounts = np.random.default_rng(m).normal(size=len(basis))
         change = np.zeros((3, 3, basis.shape[-1]))
         change[1] = np.einsum("u,uik->ik", amounts, basis)

@@ -337,7 +337,7 @@ def test_waves_are_those_of_a_longer_tube() -> None:
         expected = expected + 1j * (velocity(long, copies, weights.imag * forces) - driven)
         if wave == 0:
             expected = expected + driven
-        found = velocity(make_tube(rings=True, wave_number=q), sources, forces)
+        found = velocity(make_tube(rings=True, phase=q), sources, forces)
         assert_allclose(found, expected, rtol=0, atol=1e-9)
 
 

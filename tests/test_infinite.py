@@ -1,4 +1,4 @@
-"""Infinite trains: curves over the wave number, and the most unstable wave."""
+"""Infinite trains: curves over the phase, and the most unstable wave."""
 
 import json
 
@@ -28,9 +28,7 @@ NUMBERS = tuple(range(7))
 
 @pytest.fixture(scope="module")
 def curves(coarse_base: Base) -> InfiniteTrain:
-    return infinite_train(
-        coarse_base, wave_numbers=np.pi * np.arange(7) / 6, azimuthal_numbers=NUMBERS
-    )
+    return infinite_train(coarse_base, phases=np.pi * np.arange(7) / 6, azimuthal_numbers=NUMBERS)
 
 
 def test_a_train_of_n_cells_lies_on_the_curves(
@@ -41,7 +39,7 @@ def test_a_train_of_n_cells_lies_on_the_curves(
     for m in NUMBERS:
         for j in range(2):
             # q = 2 pi j/3 are samples 0 and 4 of 0 ... pi in six steps.
-            assert_allclose(curves.wave_numbers[4 * j], 2 * np.pi * j / 3, rtol=1e-15)
+            assert_allclose(curves.phases[4 * j], 2 * np.pi * j / 3, rtol=1e-15)
             modes = [
                 mode
                 for mode in coarse_stability.modes
@@ -63,7 +61,7 @@ def test_the_optimum_is_an_eigenvalue_and_the_largest(
     samples = max(curves.growth_rates(m).max() for m in NUMBERS)
     assert best.growth_rate >= samples
     block = linear_blocks(
-        coarse_base.train, coarse_base.coefficients, np.array([best.wave_number]), NUMBERS
+        coarse_base.train, coarse_base.coefficients, np.array([best.phase]), NUMBERS
     )[best.azimuthal_number][0]
     value = complex(best.growth_rate, best.frequency)
     size = np.linalg.norm(block, 2)
@@ -74,7 +72,7 @@ def test_the_optimum_is_an_eigenvalue_and_the_largest(
 def test_an_optimum_between_samples_is_found(coarse_base: Base) -> None:
     # q = 0 and its displacement are left out, so that few samples show where the maximum is.
     few = np.array([0.3, 0.9, 1.6, 2.3, 3.0])
-    found = infinite_train(coarse_base, wave_numbers=few, azimuthal_numbers=NUMBERS)
+    found = infinite_train(coarse_base, phases=few, azimuthal_numbers=NUMBERS)
     best = found.most_unstable
     m = best.azimuthal_number
     waves = np.linspace(few[0], few[-1], 10)
@@ -128,14 +126,14 @@ def test_long_waves_lose_no_digits(coarse_base: Base) -> None:
 
 def test_what_is_refused(coarse_base: Base) -> None:
     for waves, words in (
-        ([0.0, 4.0], "wave_numbers = 4"),
-        ([-0.1, 1.0], "wave_numbers = -0.1"),
-        ([0.0, 1e-4], "wave_numbers = 0.0001"),
+        ([0.0, 4.0], "phases = 4"),
+        ([-0.1, 1.0], "phases = -0.1"),
+        ([0.0, 1e-4], "phases = 0.0001"),
         ([1.0, 0.5], "do not rise"),
         ([], "none is not allowed"),
     ):
         with pytest.raises(CaseError, match=words):
-            infinite_train(coarse_base, wave_numbers=waves)
+            infinite_train(coarse_base, phases=waves)
     with pytest.raises(CaseError, match="azimuthal_numbers = 7"):
         infinite_train(coarse_base, azimuthal_numbers=[7])
 
@@ -171,10 +169,10 @@ def test_command(curves, monkeypatch, tmp_path, capsys) -> None:
         "--quiet",
     ]
     path = tmp_path / "curves.nc"
-    arguments = ["--wave-number", "2", "0.5", "-o", str(path), "--plot", str(tmp_path), "--json"]
+    arguments = ["--phase", "2", "0.5", "-o", str(path), "--plot", str(tmp_path), "--json"]
     assert main([*case, *arguments]) == 0
     content = json.loads(capsys.readouterr().out)
-    assert asked["wave_numbers"].tolist() == [0.5, 2.0]
+    assert asked["phases"].tolist() == [0.5, 2.0]
     assert asked["azimuthal_numbers"] == (0, 1, 2, 3)
     assert content["most_unstable"]["growth_rate"] == curves.most_unstable.growth_rate
     assert_allclose(content["growth_rates"]["1"], curves.growth_rates(1), rtol=0)
@@ -185,11 +183,11 @@ def test_command(curves, monkeypatch, tmp_path, capsys) -> None:
 
 def test_command_refuses(capsys) -> None:
     case = ["stability", "--infinite", "--diameter", "6", "--packing", "0.2"]
-    assert main([*case, "--wave-number", "4"]) == 2
-    assert "wave_numbers = 4 is not allowed" in capsys.readouterr().err
-    assert main([*case, "--azimuthal-numbers", "13"]) == 2
+    assert main([*case, "--phase", "4"]) == 2
+    assert "phases = 4 is not allowed" in capsys.readouterr().err
+    assert main([*case, "--degree", "12", "--azimuthal-numbers", "13"]) == 2
     assert "azimuthal_numbers = 13" in capsys.readouterr().err
     assert main([*case, "--error-bars", "2"]) == 2
     assert "error_bars is not allowed with infinite" in capsys.readouterr().err
-    assert main(["stability", *case[2:], "--wave-number", "1"]) == 2
-    assert "wave_number is not allowed without infinite" in capsys.readouterr().err
+    assert main(["stability", *case[2:], "--phase", "1"]) == 2
+    assert "phase is not allowed without infinite" in capsys.readouterr().err

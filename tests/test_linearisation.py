@@ -26,7 +26,7 @@ def wave_matrix(matrix: np.ndarray, wave: int) -> np.ndarray:
 
 
 def flat_basis(base: Base, m: int) -> np.ndarray:
-    basis = azimuthal_basis(base.train.resolution.degree, m)
+    basis = azimuthal_basis(base.train.degree, m)
     return basis.reshape(len(basis), -1)
 
 
@@ -54,7 +54,7 @@ def test_blocks_are_those_of_the_full_matrix(
     full = wave_matrix(matrix, wave)
     size = np.abs(full).max()
     numbers = coarse_stability.azimuthal_numbers
-    assert numbers == tuple(range(coarse_base.train.resolution.degree + 1))
+    assert numbers == tuple(range(coarse_base.train.degree + 1))
     for m in numbers:
         basis = flat_basis(coarse_base, m)
         moved = full @ basis.T

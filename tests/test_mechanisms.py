@@ -38,7 +38,7 @@ def test_nothing_removed_is_the_train_itself(coarse_stability: Stability) -> Non
 
 def test_couplings_are_the_blocks_of_the_full_matrix(coarse_stability: Stability) -> None:
     """The paper zeroes blocks of the matrix of all cells: the same thing."""
-    cells, degree = coarse_stability.base.train.cells, coarse_stability.base.train.resolution.degree
+    cells, degree = coarse_stability.base.train.cells, coarse_stability.base.train.degree
     whole = full_matrix(coarse_stability.base).reshape(cells, 3 * degree**2, cells, 3 * degree**2)
     m = 1
     basis = azimuthal_basis(degree, m).reshape(-1, 3 * degree**2)

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from celltrain.parameters import (
     Flow,
     Resolution,
     Scales,
+    Sizes,
     Train,
     Tube,
     load_case,
@@ -48,12 +50,12 @@ def test_defaults_are_the_red_blood_cell_in_the_reference_scales():
     assert train.cell.bending_modulus == pytest.approx(6.655e-3, rel=1e-4)
     assert train.cell.capillary_number == pytest.approx(0.82, abs=0.005)
     assert train.resolution.model_dump() == {
-        "degree": 12,
-        "energy_order": 36,
-        "source_order": 30,
-        "target_order": 14,
-        "polar_radial": 28,
-        "polar_azimuthal": 42,
+        "degree": None,
+        "energy_order": None,
+        "source_order": None,
+        "target_order": None,
+        "polar_radial": None,
+        "polar_azimuthal": None,
         "near_cutoff": 2.5,
         "tolerance": 1e-6,
     }
@@ -81,9 +83,9 @@ def test_defaults_are_the_red_blood_cell_in_the_reference_scales():
         ({"reference": "cube"}, ["reference = 'cube'", "biconcave or sphere"]),
         ({"degree": 4}, ["degree = 4", "6 to 48", "resting cell"]),
         ({"degree": "12"}, ["degree = '12'", "6 to 48"]),
-        ({"source_order": 8}, ["source_order = 8", ">= 12"]),
-        ({"target_order": 11}, ["target_order = 11", ">= 12"]),
-        ({"energy_order": 11}, ["energy_order = 11", ">= 12"]),
+        ({"degree": 12, "source_order": 8}, ["source_order = 8", ">= 12"]),
+        ({"degree": 12, "target_order": 11}, ["target_order = 11", ">= 12"]),
+        ({"degree": 12, "energy_order": 11}, ["energy_order = 11", ">= 12"]),
         ({"polar_azimuthal": 37}, ["polar_azimuthal = 37", "multiple of 2"]),
         ({"tolerance": 1e-13}, ["tolerance = 1e-13", "1e-12 to 0.001"]),
         ({"near_cutoff": 0}, ["near_cutoff = 0", "> 0"]),
@@ -158,7 +160,7 @@ def test_leaf_by_name():
 
 
 def test_every_leaf_can_be_changed():
-    train = Train(**NOMINAL)
+    train = Train(**NOMINAL, **asdict(Resolution(degree=12).sizes))
     other = {
         "law": "neo_hookean",
         "bending": "helfrich",
@@ -176,13 +178,52 @@ def test_every_leaf_can_be_changed():
         assert changed.changed(**{name: value}) == train
 
 
-def test_a_new_degree_takes_along_only_the_usual_sizes():
-    train = Train(**NOMINAL, source_order=28)
-    finer = train.changed(degree=16)
-    assert finer.resolution == Resolution(degree=16, source_order=28)
-    assert train.changed(degree=16, target_order=17).resolution.target_order == 17
+def test_sizes_follow_the_degree_unless_given():
+    train = Train(**NOMINAL, degree=12)
+    assert train.degree == 12
+    assert train.sizes == Sizes(
+        degree=12,
+        energy_order=36,
+        source_order=30,
+        target_order=14,
+        polar_radial=28,
+        polar_azimuthal=42,
+    )
+    given = train.changed(source_order=28)
+    finer = given.changed(degree=17)
+    assert finer.resolution == Resolution(degree=17, source_order=28)
+    assert finer.sizes == Sizes(17, 51, 28, 19, 40, 60)
     with pytest.raises(CaseError, match="source_order = 28"):
-        train.changed(degree=32)
+        given.changed(degree=32)
+
+
+@pytest.mark.parametrize("degree", range(6, 49))
+def test_usual_sizes_are_allowed_at_any_degree(degree):
+    sizes = Resolution(degree=degree).sizes
+    assert Resolution(**asdict(sizes)).sizes == sizes
+
+
+def test_a_train_need_not_have_a_degree():
+    train = Train(**NOMINAL, source_order=20)
+    assert train.leaf("degree") is None
+    for ask in (lambda: train.degree, lambda: train.sizes, lambda: Resolution().sizes):
+        with pytest.raises(CaseError, match=r"degree is not given.* \(6 to 48\)"):
+            ask()
+    assert train.resolved(12) == train.changed(degree=12)
+    assert train.resolved(12).resolved(16).degree == 12
+    assert train.resolved(12).changed(degree=None) == train
+    # A grid that is given must hold the shape as soon as there is a degree.
+    with pytest.raises(CaseError, match="source_order = 20 is not allowed"):
+        train.resolved(24)
+    assert train != train.resolved(12)
+    assert Train(**train.model_dump()) == Train(**train.sections()) == train
+
+
+def test_a_train_in_si_need_not_have_a_degree():
+    train = Train.from_si(diameter=16.8e-6, packing=0.2)
+    assert train.resolution == Resolution()
+    assert Train.from_si(**train.leaves("SI")).resolution == Resolution()
+    assert Train.from_si(diameter=16.8e-6, packing=0.2, degree=16).degree == 16
 
 
 def test_a_change_keeps_the_scales_and_is_checked():
@@ -260,7 +301,7 @@ def test_paper_units_and_back():
     diameter=st.floats(2.78, 100),
     packing=st.floats(1e-3, 1.0),
     cells=st.integers(1, 100),
-    degree=st.integers(6, 48),
+    degree=st.none() | st.integers(6, 48),
     shear_modulus=st.floats(1e-6, 1e6),
     viscosity_ratio=st.floats(1e-3, 1e3),
     tolerance=st.floats(1e-12, 1e-3),
@@ -271,16 +312,17 @@ def test_toml_round_trip_is_exact(tmp_path_factory, **leaves):
     path = tmp_path_factory.mktemp("case") / "case.toml"
     path.write_text(train.to_toml())
     assert load_case(path) == train
+    assert ("\ndegree = " in train.to_toml()) == (leaves["degree"] is not None)
 
 
 def test_case_file_with_options_over_it(tmp_path):
     path = tmp_path / "case.toml"
     path.write_text(
         "[tube]\ndiameter = 6\n[train]\npacking = 0.2\n[resolution]\ndegree = 12\n"
-        "energy_order = 36\nsource_order = 25\n"
+        "source_order = 25\n"
     )
     assert load_case(path, packing=0.5).packing == 0.5
-    finer = load_case(path, degree=16).resolution
+    finer = load_case(path, degree=16).sizes
     assert (finer.energy_order, finer.source_order) == (48, 25)
 
 

@@ -150,7 +150,7 @@ def test_values_at_the_poles_continue_those_beside_them(tmp_path: Path, train: T
     shape[0, 6] += 0.1
     path = export_paraview(train, np.zeros(1), shape[None, None], np.zeros((1, 1, 3, 36)), tmp_path)
     tension = read_poly_data(path.parent / "cells_00000.vtp").point_data["tension"]
-    rings = tension[1:-1].reshape(train.resolution.energy_order, -1).mean(axis=1)
+    rings = tension[1:-1].reshape(train.sizes.energy_order, -1).mean(axis=1)
     assert np.ptp(tension) > 0.5
     theta = np.arccos(np.polynomial.legendre.leggauss(len(rings))[0][::-1])
     for pole, near, angle in (

@@ -21,7 +21,7 @@ def test_neighbours_in_a_map_share_their_programs():
 
     def kind(diameter: float, packing: float) -> tuple[object, ...]:
         train = Train(diameter=diameter, packing=packing, degree=8)
-        operator = train_operator(train, wave_number=0.3, close=False)
+        operator = train_operator(train, phase=0.3, close=False)
         shapes, tree = jax.tree.flatten(jax.tree.map(np.shape, operator))
         return (*shapes, tree)
 

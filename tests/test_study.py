@@ -141,6 +141,17 @@ def test_axes_in_si_vary_what_follows_from_the_scales() -> None:
     assert slow.tube.diameter == pytest.approx(6)
 
 
+def test_the_degree_may_be_an_axis_or_left_open() -> None:
+    case = {"diameter": 6, "packing": 0.2}
+    study = make_study({"case": case, "axes": {"degree": [8, 12], "cells": [1, 2]}})
+    assert [each.train.degree for each in study.cases] == [8, 8, 12, 12]
+    assert [each.train.sizes.energy_order for each in study.cases] == [24, 24, 36, 36]
+    left_open = make_study({"case": case, "axes": {"cells": [1, 2]}})
+    assert [each.train.leaf("degree") for each in left_open.cases] == [None, None]
+    addresses = {Store(Path(), {}).address(each.train) for each in left_open.cases + study.cases}
+    assert len(addresses) == 6
+
+
 @pytest.mark.parametrize(
     ("change", "parts"),
     [

@@ -14,7 +14,7 @@ from celltrain import Train
 from celltrain.flow.overlaps import overlaps
 from celltrain.train import rates_error, resting_shapes, train_operator
 
-TRAIN = Train(diameter=8, packing=0.4, cells=2, viscosity_ratio=5.0)
+TRAIN = Train(diameter=8, packing=0.4, cells=2, degree=12, viscosity_ratio=5.0)
 # Displacement of the resting cells' centres from the axis (r0), and their tilt about y (radians).
 OFFSETS = (0.5, -0.4)
 TILTS = (0.6, -0.9)

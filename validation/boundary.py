@@ -36,7 +36,7 @@ def study() -> None:
     page = Page("boundary", "The boundary of stability")
     page.text(
         """
-alpha(D, packing) = 0 of the fastest tilt (m = 1) with one wave number q, for an infinite train,
+alpha(D, packing) = 0 of the fastest tilt (m = 1) with one phase q, for an infinite train,
 viscosity ratio 1, degree 12: pseudo-arclength continuation from D = 6 with the exact gradient of
 alpha. Two modes bound the region in which the cells keep their order: at small packing all cells
 tilt alike, at large packing neighbours tilt oppositely. Rates in U/r0.
@@ -53,7 +53,7 @@ tilt alike, at large packing neighbours tilt oppositely. Rates in U/r0.
         found[name] = stability_boundary(
             start,
             azimuthal_number=TILT,
-            wave_number=q,
+            phase=q,
             most_points=count,
             steps=STEPS,
             progress=tell,

@@ -29,7 +29,7 @@ PAPER_TIMES = tuple(
 EVERY = 5.0
 # That of the paper's Fig. 11.
 AMPLITUDE = 0.1
-DENSE = Train(diameter=10, packing=0.7, cells=8)
+DENSE = Train(diameter=10, packing=0.7, cells=8, degree=12)
 LONGER = DENSE.changed(cells=12)
 # Eight cells in the tube of those twelve.
 SPARSE = DENSE.changed(packing=DENSE.packing * DENSE.cells / LONGER.cells)

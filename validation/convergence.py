@@ -1,6 +1,6 @@
 """How the answers at D = 6, packing 0.2 depend on the degree and on each rule."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from page import Page, plain_figure
@@ -64,7 +64,7 @@ def answer(train: Train, start: Base | None) -> Answer:
 
 def variants(train: Train) -> list[tuple[str, dict[str, float]]]:
     """Every rule of the resolution made finer, one at a time, and all together."""
-    rules = train.resolution
+    rules = train.sizes
     half_more: dict[str, dict[str, float]] = {
         "polar nodes": {
             "polar_radial": 3 * rules.polar_radial // 2,
@@ -75,9 +75,9 @@ def variants(train: Train) -> list[tuple[str, dict[str, float]]]:
         "energy order": {"energy_order": 3 * rules.energy_order // 2},
     }
     others: dict[str, dict[str, float]] = {
-        "near cutoff, shorter": {"near_cutoff": 0.8 * rules.near_cutoff},
-        "near cutoff, longer": {"near_cutoff": 1.4 * rules.near_cutoff},
-        "tolerance": {"tolerance": 0.01 * rules.tolerance},
+        "near cutoff, shorter": {"near_cutoff": 0.8 * train.resolution.near_cutoff},
+        "near cutoff, longer": {"near_cutoff": 1.4 * train.resolution.near_cutoff},
+        "tolerance": {"tolerance": 0.01 * train.resolution.tolerance},
     }
     everything: dict[str, float] = {}
     for change in half_more.values():
@@ -96,7 +96,7 @@ abscissa. "Trial" is an earlier, separate implementation of the same equations w
 expected are cell velocities equal to 0.1 %, alpha and eta to 2 %.
 """
     )
-    train = Train(diameter=6, packing=0.2, cells=8)
+    train = Train(diameter=6, packing=0.2, cells=8, degree=12)
     answers: dict[int, Answer] = {}
     start: Base | None = None
     for degree in DEGREES:
@@ -104,7 +104,7 @@ expected are cell velocities equal to 0.1 %, alpha and eta to 2 %.
         answers[degree] = answer(train.changed(degree=degree), start)
         start = answers[degree].base
     _degrees(page, answers)
-    _rules(page, train, answers[train.resolution.degree])
+    _rules(page, train, answers[train.degree])
     _figure(page, answers)
     page.write()
 
@@ -182,7 +182,7 @@ def _percent(value: float, finest: float) -> str:
 
 
 def _rules(page: Page, train: Train, usual: Answer) -> None:
-    page.heading(f"Rules, M = {train.resolution.degree}")
+    page.heading(f"Rules, M = {train.degree}")
     page.text(
         "Each rule made finer alone, then together; changes against the default rules. What the"
         " rules leave is well below what the degree leaves out."
@@ -191,7 +191,7 @@ def _rules(page: Page, train: Train, usual: Answer) -> None:
     for name, changes in variants(train):
         page.log(name)
         each = answer(train.changed(**changes), usual.base)
-        before = train.resolution.model_dump()
+        before = train.resolution.model_dump() | asdict(train.sizes)
         rows.append(
             (
                 name,

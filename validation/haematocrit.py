@@ -52,6 +52,7 @@ def _train(diameter: float, packing: float, start: Base | None) -> Attempt:
                 diameter=diameter * 1e-6 / Scales().radius,
                 packing=packing,
                 cells=1,
+                degree=12,
                 tolerance=TOLERANCE,
             )
             return Attempt(diameter, packing, steady(train, start=first, tolerance=RESIDUAL))

@@ -35,7 +35,7 @@ def trains() -> dict[tuple[int, float], Stability]:
     for diameter in (6, 10):
         base = None
         for packing in (0.2, 0.5, 0.7):
-            train = Train(diameter=diameter, packing=packing, cells=CELLS)
+            train = Train(diameter=diameter, packing=packing, cells=CELLS, degree=12)
             base = steady(train, start=base, estimate_error=False)
             if (diameter, packing) in TABLE:
                 found[diameter, packing] = stability(base, estimate_error=False)
@@ -183,7 +183,7 @@ def streamlines(page: Page) -> None:
     rows: list[tuple[Any, ...]] = []
     base = None
     for packing in STREAMLINES:
-        train = Train(diameter=6, packing=packing, cells=CELLS)
+        train = Train(diameter=6, packing=packing, cells=CELLS, degree=12)
         base = steady(train, start=base, estimate_error=False)
         flow = meridional_flow(base)
         found = recirculation(base, flow)

@@ -28,7 +28,7 @@ def branch(page: Page) -> list[Stability]:
     results: list[Stability] = []
     start: Base | None = None
     for packing in PACKINGS:
-        train = Train(diameter=6, packing=packing, cells=8)
+        train = Train(diameter=6, packing=packing, cells=8, degree=12)
         start = steady(train, start=start)
         result = stability(start)
         results.append(result)

@@ -115,7 +115,7 @@ class Agreement:
 
 def compare(reference: Reference, computed: Points) -> Agreement:
     """The other code's surface velocity beside ours, computed with mean velocity 1."""
-    degree = reference.train.resolution.degree
+    degree = reference.train.degree
     flow = reference.on_grid(
         reference.coefficients(with_unit_flow(reference, reference.points), degree)
     )
@@ -140,7 +140,7 @@ def study(folder: Path) -> None:
         page.log(f"skipped: {path} is not there; name its folder with --reference")
         return
     reference = read(path)
-    degree = reference.train.resolution.degree
+    degree = reference.train.degree
     shapes = reference.coefficients(reference.points, degree)[None]
     page.text(
         f"""
@@ -213,14 +213,14 @@ def _line(name: str, agreement: Agreement, expected: str) -> tuple[str, ...]:
 
 def _finer(train: Train) -> dict[str, float]:
     """Every rule half as fine again."""
-    rules = train.resolution
+    rules = train.sizes
     return {
         "polar_radial": 3 * rules.polar_radial // 2,
         "polar_azimuthal": 2 * (3 * rules.polar_azimuthal // 4),
         "target_order": 3 * rules.target_order // 2,
         "source_order": 3 * rules.source_order // 2,
         "energy_order": 3 * rules.energy_order // 2,
-        "tolerance": 0.1 * rules.tolerance,
+        "tolerance": 0.1 * train.resolution.tolerance,
     }
 
 

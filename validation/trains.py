@@ -30,9 +30,9 @@ def shown() -> Iterator[Shown]:
     """All of them, from the easy ones on."""
     corners = ((NARROW, 0.2), (NARROW, 0.7), (WIDE, 0.2), (WIDE, 0.7))
     for letter, (diameter, packing) in zip("abcd", corners, strict=True):
-        train = Train(diameter=diameter, packing=packing, cells=8)
+        train = Train(diameter=diameter, packing=packing, cells=8, degree=12)
         yield Shown(f"5 ({letter})", f"D = {diameter:g}, packing {packing:g}", steady(train))
-    train = Train(diameter=8, packing=0.2, cells=8)
+    train = Train(diameter=8, packing=0.2, cells=8, degree=12)
     usual, base = train.cell.capillary_number, steady(train)
     moduli = ("shear_modulus", "dilatation_modulus", "bending_modulus")
     for letter, capillary in (("a", 0.4), ("b", 20.5)):

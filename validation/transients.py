@@ -18,7 +18,7 @@ UNTIL = 50.0
 PAPER_CROSSING = 2.0
 # How far (relative) what follows the linear theory may be from it.
 CLOSE = 0.05
-TRAIN = Train(diameter=10, packing=0.2, cells=8)
+TRAIN = Train(diameter=10, packing=0.2, cells=8, degree=12)
 
 
 @dataclass(frozen=True)

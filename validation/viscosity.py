@@ -55,7 +55,7 @@ packing 0.2).
 
 def two_cells(page: Page) -> None:
     """The case of Fig. 3."""
-    base = steady(Train(diameter=10, packing=0.2, cells=2), estimate_error=False)
+    base = steady(Train(diameter=10, packing=0.2, cells=2, degree=12), estimate_error=False)
     result = of_ratio(base, 5.0)
     unstable = [mode for mode in result.modes if not mode.neutral and mode.growth_rate > 0.0]
     page.heading("Two cells, lam = 5, D = 10, packing 0.2 (Fig. 3)")
@@ -87,7 +87,7 @@ def over_packing(
     for diameter in DIAMETERS:
         start: Base | None = None
         for packing in PACKINGS:
-            train = Train(diameter=diameter, packing=packing, cells=CELLS)
+            train = Train(diameter=diameter, packing=packing, cells=CELLS, degree=12)
             start = steady(train, start=start, estimate_error=False)
             trains[diameter, packing] = start
             for ratio in (1.0, 5.0):

@@ -20,6 +20,7 @@ from celltrain.continuation import Branch, BranchPoint, check_branch
 from celltrain.continuation import branch as follow
 from celltrain.continuation.branch import ALONG
 from celltrain.parameters import CaseError, Train
+from celltrain.parameters.resolution import LEAST_DEGREE
 from celltrain.pictures.branch import draw_branch
 from celltrain.results import summary
 from celltrain.stability import NUMBERS, Stability, stability
@@ -84,7 +85,9 @@ def branch(
         return train.scales.dimensionless(along, to) if leaves.get("units") == "SI" else to
 
     def check(train: Train) -> None:
-        check_branch(train, along, last(train))
+        # The healthy reduced volume depends a little on a degree that may not be known yet; with
+        # the one that it gets the branch checks again.
+        check_branch(train.resolved(LEAST_DEGREE), along, last(train))
         if most_points < 1:
             raise CaseError(
                 f"most_points = {most_points} is not allowed; allowed: whole numbers >= 1"

@@ -70,9 +70,10 @@ def run(
     errors = Console(stderr=True)
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr), Reporter(errors, quiet=request.quiet) as reporter:
+        degree = train.resolution.degree
         reporter.log(
             f"train of {train.cells} cells, packing {train.packing:g}, in a tube of diameter"
-            f" {train.tube.diameter:g} r0, degree {train.resolution.degree}"
+            f" {train.tube.diameter:g} r0" + ("" if degree is None else f", degree {degree}")
         )
         try:
             base = steady(train, start=start, progress=reporter.iteration)

@@ -15,14 +15,14 @@ from celltrain.parameters import Train
 from celltrain.pictures import draw_dispersion
 from celltrain.results import summary
 from celltrain.stability import InfiniteTrain, check_linearisable, infinite_train
-from celltrain.stability.infinite import NUMBERS, WaveMode, check_waves
+from celltrain.stability.infinite import NUMBERS, WaveMode, check_phases
 from celltrain.steady import Base
 
 
 def run_infinite(
     request: Request,
     leaves: Mapping[str, Any],
-    wave_numbers: Sequence[float] | None,
+    phases: Sequence[float] | None,
     azimuthal_numbers: Sequence[int] | None,
 ) -> int:
     """Compute the growth rates of waves of any length; return the exit status.
@@ -31,16 +31,16 @@ def run_infinite(
         CaseError: for anything in the request that is not allowed, before computing.
     """
     numbers = NUMBERS if azimuthal_numbers is None else tuple(azimuthal_numbers)
-    waves = None if wave_numbers is None else np.unique(wave_numbers)
+    samples = None if phases is None else np.unique(phases)
 
     def check(train: Train) -> None:
         check_linearisable(train, numbers)
-        if waves is not None:
-            check_waves(waves)
+        if samples is not None:
+            check_phases(samples)
 
     def compute(base: Base, reporter: Reporter) -> InfiniteTrain:
         return infinite_train(
-            base, wave_numbers=waves, azimuthal_numbers=numbers, progress=reporter.share
+            base, phases=samples, azimuthal_numbers=numbers, progress=reporter.share
         )
 
     def pictures(result: InfiniteTrain, folder: Path) -> list[Path]:
@@ -60,7 +60,7 @@ def infinite_summary(result: InfiniteTrain) -> dict[str, Any]:
     return {
         "base": summary(result.base),
         "norm": result.norm,
-        "wave_numbers": result.wave_numbers.tolist(),
+        "phases": result.phases.tolist(),
         "growth_rates": {str(m): result.growth_rates(m).tolist() for m in numbers},
         "frequencies": {str(m): result.frequencies(m).tolist() for m in numbers},
         "numerical_abscissas": {str(m): result.numerical_abscissas[m].tolist() for m in numbers},
@@ -74,7 +74,7 @@ def _mode(mode: WaveMode) -> dict[str, Any]:
         "growth_rate": mode.growth_rate,
         "frequency": mode.frequency,
         "azimuthal_number": mode.azimuthal_number,
-        "wave_number": mode.wave_number,
+        "phase": mode.phase,
     }
 
 
@@ -83,14 +83,14 @@ def print_infinite(result: InfiniteTrain, console: Console) -> None:
     train, best = result.base.train, result.most_unstable
     console.print(
         f"infinite train: D = {train.tube.diameter:g} r0, packing {train.packing:g},"
-        f" M = {train.resolution.degree}"
+        f" M = {train.degree}"
     )
     length = "all cells alike"
-    if best.wave_number > 0.0:
-        length = f"{2.0 * np.pi / best.wave_number:.4g} cells a wave"
+    if best.phase > 0.0:
+        length = f"{2.0 * np.pi / best.phase:.4g} cells a wave"
     console.print(
         f"most unstable: growth rate {best.growth_rate:.5g} U/r0, frequency {best.frequency:.3g}"
-        f" U/r0, m = {best.azimuthal_number}, q = {best.wave_number:.5g} ({length})"
+        f" U/r0, m = {best.azimuthal_number}, q = {best.phase:.5g} ({length})"
     )
     table = Table(
         title="Largest growth rate for each m, U/r0", title_justify="left", title_style="bold"
@@ -98,7 +98,7 @@ def print_infinite(result: InfiniteTrain, console: Console) -> None:
     table.add_column("q/pi", justify="right")
     for m in result.azimuthal_numbers:
         table.add_column(f"m = {m}", justify="right")
-    for row, q in enumerate(result.wave_numbers):
+    for row, q in enumerate(result.phases):
         rates = [f"{result.growth_rates(m)[row]:.6f}" for m in result.azimuthal_numbers]
         table.add_row(f"{q / np.pi:.4f}", *rates)
     console.print(table)

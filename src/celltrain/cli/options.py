@@ -34,8 +34,9 @@ def _options() -> Iterator[tuple[str, str, FieldInfo]]:
 def _help(field: FieldInfo) -> str:
     limits = allowed_range(field)
     notes = [f"allowed: {limits}"] if limits else []
-    if field.default_factory is not None:
-        notes.append("default: follows from the degree")
+    extra = field.json_schema_extra
+    if isinstance(extra, dict) and "default" in extra:
+        notes.append(f"default: {extra['default']}")
     elif not field.is_required() and field.default is not None:
         default = field.default
         notes.append(f"default: {f'{default:.5g}' if isinstance(default, float) else default}")

@@ -115,7 +115,7 @@ def print_search(found: BranchSearch, console: Console) -> None:
     """Print the tries, the trains if there are any, and the statement."""
     train = found.known.train
     console.print(
-        f"D = {train.tube.diameter:g} r0, packing {train.packing:g}, M = {train.resolution.degree};"
+        f"D = {train.tube.diameter:g} r0, packing {train.packing:g}, M = {train.degree};"
         f" known: U_c = {found.known.cell_velocity:.5f} U ({found.known.origin})"
     )
     tries = _table("Tries", "from", "steps", "outcome")

@@ -120,7 +120,7 @@ def sensitivity_summary(result: Sensitivity) -> dict[str, Any]:
             "growth_rate": mode.growth_rate,
             "frequency": mode.frequency,
             "azimuthal_number": mode.azimuthal_number,
-            "wave_number": mode.wave_number,
+            "phase": mode.phase,
         },
         "condition_number": result.condition_number,
         "structural_sensitivity": result.structural.integral,
@@ -143,10 +143,10 @@ def print_sensitivity(result: Sensitivity, console: Console) -> None:
     mode = found.mode
     console.print(
         f"D = {train.tube.diameter:g} r0, packing {train.packing:g}, N = {train.cells},"
-        f" M = {train.resolution.degree}"
+        f" M = {train.degree}"
     )
     console.print(
-        f"mode m = {mode.azimuthal_number}, q = {mode.wave_number:.5g}: growth rate alpha ="
+        f"mode m = {mode.azimuthal_number}, q = {mode.phase:.5g}: growth rate alpha ="
         f" {mode.growth_rate:.5g}, frequency omega = {mode.frequency:.3g} U/r0"
     )
     console.print(

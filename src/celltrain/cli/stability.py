@@ -26,10 +26,10 @@ Infinite = Annotated[
         " if none are given, and the most unstable wave.",
     ),
 ]
-Waves = Annotated[
+Phases = Annotated[
     list[float] | None,
     Parameter(
-        name="--wave-number",
+        name="--phase",
         consume_multiple=True,
         negative=(),
         converter=reader(float, "allowed: 0, and numbers from 0.001 to pi"),
@@ -45,7 +45,7 @@ def stability(
     *,
     options: CaseOptions = None,
     infinite: Infinite = False,
-    wave_numbers: Waves = None,
+    phases: Phases = None,
     azimuthal_numbers: Numbers = None,
     error_bars: ErrorBars = None,
     start: Start = None,
@@ -60,9 +60,9 @@ def stability(
     if infinite:
         if error_bars is not None:
             raise CaseError("error_bars is not allowed with infinite: it is for a train of N cells")
-        return run_infinite(request, leaves, wave_numbers, azimuthal_numbers)
-    if wave_numbers is not None:
-        raise CaseError("wave_number is not allowed without infinite: N cells have q = 2 pi j/N")
+        return run_infinite(request, leaves, phases, azimuthal_numbers)
+    if phases is not None:
+        raise CaseError("phase is not allowed without infinite: N cells have q = 2 pi j/N")
     return run(
         request,
         leaves,

@@ -120,7 +120,7 @@ def print_transient(growth: TransientGrowth, console: Console) -> None:
     base, optimal = growth.result.base, growth.optimal
     console.print(
         f"D = {base.train.tube.diameter:g} r0, packing {base.train.packing:g}, N ="
-        f" {base.train.cells}, M = {base.train.resolution.degree}; norm: {growth.norm}"
+        f" {base.train.cells}, M = {base.train.degree}; norm: {growth.norm}"
     )
     console.print(
         f"initial growth rate (eta) {growth.numerical_abscissa:.5g} U/r0, growth rate for long"

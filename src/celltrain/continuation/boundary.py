@@ -1,6 +1,6 @@
 """The boundary of stability: the curve alpha(D, phi) = 0 of one mode.
 
-The growth rate alpha of a mode with azimuthal number m and wave number q is a function of the
+The growth rate alpha of a mode with azimuthal number m and phase q is a function of the
 tube's diameter D and the packing phi, with an exact gradient (`wave_sensitivities`). Its zero is
 followed by its arclength in (D/D0, phi/phi0), D0 and phi0 those of the start; as one equation in
 two unknowns it needs no other treatment than a branch does. From one train to the next the mode is
@@ -24,7 +24,7 @@ from celltrain.continuation.arclength import (
 )
 from celltrain.parameters import CaseError
 from celltrain.stability import block_spectrum, check_linearisable, linear_blocks
-from celltrain.stability.infinite import WaveMode, check_waves
+from celltrain.stability.infinite import WaveMode, check_phases
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.parameter_sensitivity import wave_sensitivities
 from celltrain.steady import Base, NotConverged, steady
@@ -70,7 +70,7 @@ def stability_boundary(
     start: Base,
     *,
     azimuthal_number: int,
-    wave_number: float,
+    phase: float,
     towards: str = "diameter",
     rising: bool = True,
     most_points: int = 20,
@@ -83,7 +83,7 @@ def stability_boundary(
 
     **Arguments:**
 
-    - `azimuthal_number`, `wave_number`: m and q (radians per cell) of the mode; of all that have
+    - `azimuthal_number`, `phase`: m and q (radians per cell) of the mode; of all that have
       them the leading one of the start is followed.
     - `towards`, `rising`: to which side: that where "diameter" or "packing" rises, or falls.
 
@@ -94,7 +94,7 @@ def stability_boundary(
     followed = follow_boundary(
         start,
         azimuthal_number=azimuthal_number,
-        wave_number=wave_number,
+        phase=phase,
         towards=towards,
         rising=rising,
         steps=steps,
@@ -117,7 +117,7 @@ def follow_boundary(
     start: Base,
     *,
     azimuthal_number: int,
-    wave_number: float,
+    phase: float,
     towards: str = "diameter",
     rising: bool = True,
     steps: Steps = BOUNDARY_STEPS,
@@ -127,12 +127,12 @@ def follow_boundary(
     **Raises:** `CaseError` as `stability_boundary` does; `CurveLost` when there is no way on.
     """
     check_linearisable(start.train, [azimuthal_number])
-    check_waves(np.array([wave_number]))
+    check_phases(np.array([phase]))
     if towards not in PLANE:
         raise CaseError(f"towards = {towards!r} is not allowed; allowed: {' or '.join(PLANE)}")
     first = np.array([start.train.leaf(name) for name in PLANE])
     direction = np.where(np.array(PLANE) == towards, 1.0 if rising else -1.0, 0.0)
-    leading = _modes(start, azimuthal_number, wave_number)[0]
+    leading = _modes(start, azimuthal_number, phase)[0]
     known = BoundaryPoint(start, leading, np.zeros(2))
 
     def evaluate(unknowns: Unknowns, near: BoundaryPoint) -> Evaluation[BoundaryPoint]:
@@ -163,7 +163,7 @@ def _point(near: BoundaryPoint, values: Float[np.ndarray, "2"]) -> BoundaryPoint
         raise NoSolution(str(error)) from None
     before = near.mode
     mode = max(
-        _modes(base, before.azimuthal_number, before.wave_number),
+        _modes(base, before.azimuthal_number, before.phase),
         key=lambda each: _overlap(before.left, each.right),
     )
     found = wave_sensitivities(base, mode, parameters=PLANE)

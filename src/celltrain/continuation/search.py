@@ -177,7 +177,7 @@ def check_tries(most_tries: int) -> None:
 def first_guesses(known: Base) -> Iterator[tuple[str, Shape]]:
     """The guesses of the module with their names; trains at other packings as they are needed."""
     train, shape = known.train, known.coefficients
-    degree = train.resolution.degree
+    degree = train.degree
     n, _ = degrees_and_orders(degree)
     rest = resting_shapes(train, 1)[0]
     yield "the resting shape", rest

@@ -39,7 +39,7 @@ def frame(
     **Raises:** `CaseError` for shapes of another degree than the train's, or not finite.
     """
     shapes, rates = np.asarray(shapes, dtype=float), np.asarray(rates, dtype=float)
-    degree = train.resolution.degree
+    degree = train.degree
     if shapes.shape[1:] != (3, degree**2) or rates.shape != shapes.shape:
         raise CaseError(
             f"shapes {shapes.shape} and rates {rates.shape} are not allowed: a train of degree"

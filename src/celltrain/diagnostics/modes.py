@@ -40,7 +40,7 @@ def mode_motion(result: Stability, mode: Mode | TransientMode) -> ModeMotion:
     axis, their axis of symmetry, which counts as tumbling.
     """
     m, vector = mode.azimuthal_number, _vector(result, mode)
-    degree = result.base.train.resolution.degree
+    degree = result.base.train.degree
     basis = azimuthal_basis(degree, m)
     rates = np.tensordot(result.blocks[m][mode.wave_number] @ vector, basis, axes=1)
     # A complex d stands for Re(d exp(i phase)) of each cell: both mean squares have a factor 1/2.

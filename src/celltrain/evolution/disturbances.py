@@ -123,7 +123,7 @@ class RandomDisplacement(Disturbance):
     def shapes(self, start: Base | Stability) -> Shapes:
         """Coefficients of Y_00 alone."""
         train = _base(start).train
-        moved = np.zeros((train.cells, 3, train.resolution.degree**2))
+        moved = np.zeros((train.cells, 3, train.degree**2))
         random = np.random.default_rng(self.seed)
         moved[:, :, 0] = UNIT_DISPLACEMENT * random.normal(size=(train.cells, 3))
         return scaled(moved, self.amplitude)
@@ -147,7 +147,7 @@ class FromFile(Disturbance):
     def shapes(self, start: Base | Stability) -> Shapes:
         """The array, or the last shapes less the steady ones."""
         train = _base(start).train
-        wanted = (train.cells, 3, train.resolution.degree**2)
+        wanted = (train.cells, 3, train.degree**2)
         try:
             if self.path.suffix == ".npy":
                 change = np.load(self.path, allow_pickle=False)

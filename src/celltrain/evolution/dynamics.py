@@ -157,7 +157,7 @@ def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dyna
     return Dynamics(
         operator=operator,
         base=jnp.asarray(place_cells(base.coefficients, train, train.cells)),
-        weights=jnp.asarray(paper_weights(train.resolution.degree)),
+        weights=jnp.asarray(paper_weights(train.degree)),
         cell_velocity=jnp.asarray(base.cell_velocity),
         length=jnp.asarray(train.length),
         volume=operator.membrane.volume(jnp.asarray(base.coefficients)),

@@ -93,7 +93,7 @@ class FilmForces:
 
 def film_forces(train: Train, repulsion: Repulsion) -> FilmForces:
     """The repulsion in the films of a train's N cells."""
-    degree = train.resolution.degree
+    degree = train.degree
     grid = film_grid(degree)
     down, around = grid.slopes @ resting_shape(train.cell, degree).T
     element = np.linalg.norm(np.cross(down, around), axis=-1) / np.sin(grid.angles[:, 0])

@@ -19,7 +19,7 @@ def overlap(train: Train, shapes: Shapes) -> str | None:
     The search proper takes as long as the rates, so it is only begun where the boxes of two cells
     meet, or a cell that of the tube.
     """
-    degree = train.resolution.degree
+    degree = train.degree
     grid = sphere_grid(degree, 2 * degree)
     points = np.einsum("pk,cik->cpi", np.asarray(grid.values), shapes)
     radius = np.hypot(points[..., 0], points[..., 1]).max()

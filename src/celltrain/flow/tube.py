@@ -204,7 +204,7 @@ def periodic_tube(
     cutoff: float,
     tolerance: float,
     rings: bool,
-    wave_number: float | None = None,
+    phase: float | None = None,
     close: Callable[[float], CloseEvaluation] | None = None,
     coarse_beyond: float = math.inf,
 ) -> PeriodicTube:
@@ -217,19 +217,19 @@ def periodic_tube(
       fixes how many images the near sum visits.
     - `cutoff`, `tolerance`: range of the Ewald near kernel and relative truncation error.
     - `rings`: sources and targets form rings about the axis.
-    - `wave_number`: q in radians per period, for a quasi-periodic flow (rings only).
+    - `phase`: q in radians per period, for a quasi-periodic flow (rings only).
     - `close`: makes what serves targets close to a cell, from the parameter of the near kernel.
     - `coarse_beyond`: distance from a cell at which its coarse samples serve.
     """
     split = ewald_split(cutoff, tolerance)
     # Wider than the tube by the near kernel's range, which so never reaches an image across.
     width = diameter + cutoff
-    phase = 0.0 if wave_number is None else wave_number
+    turned = 0.0 if phase is None else phase
     images = math.floor((cutoff + extent + period) / period)
     transform: Transform
     if rings:
-        transform = ring_transform(split, width, period, phase)
-    elif wave_number is None:
+        transform = ring_transform(split, width, period, turned)
+    elif phase is None:
         transform = nonuniform_transform(split, width, period, tolerance)
     else:
         raise ValueError("a quasi-periodic flow needs sources in rings")
@@ -237,10 +237,10 @@ def periodic_tube(
         split=split,
         transform=transform,
         wall=tube_wall(
-            0.5 * diameter, period, gap=gap, tolerance=tolerance, phase=phase, shared=rings
+            0.5 * diameter, period, gap=gap, tolerance=tolerance, phase=turned, shared=rings
         ),
         close=None if close is None else close(split.parameter),
         coarse_beyond=coarse_beyond,
         images=shared_size(images) if rings else images,
-        quasi_periodic=wave_number is not None,
+        quasi_periodic=phase is not None,
     )

@@ -7,8 +7,9 @@ and Python, case files and the command line all go through the same routing of l
 
 from celltrain.parameters.case import load_case, merge_case, read_case
 from celltrain.parameters.errors import CaseError
+from celltrain.parameters.resolution import Resolution, Sizes
 from celltrain.parameters.scales import Scales
-from celltrain.parameters.sections import Cell, Flow, Resolution, Tube
+from celltrain.parameters.sections import Cell, Flow, Tube
 from celltrain.parameters.train import Train
 from celltrain.parameters.units import PaperUnits, paper_units
 
@@ -19,6 +20,7 @@ __all__ = [
     "PaperUnits",
     "Resolution",
     "Scales",
+    "Sizes",
     "Train",
     "Tube",
     "load_case",

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from celltrain.parameters.errors import CaseError
-from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten, override
+from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten
 from celltrain.parameters.train import Train
 
 UNITS = ("dimensionless", "SI")
@@ -47,9 +47,9 @@ def merge_case(case: Mapping[str, Any], leaves: Mapping[str, Any]) -> Train:
                 'section scales is not allowed with units = "SI": give radius in section cell,'
                 " mean_velocity and plasma_viscosity in section flow"
             )
-        return Train.from_si(**override(flatten(both, SI_LEAVES), flatten(changes, SI_LEAVES)))
+        return Train.from_si(**(flatten(both, SI_LEAVES) | flatten(changes, SI_LEAVES)))
     scales = {"scales": both.pop("scales")} if "scales" in both else {}
-    return Train(**override(flatten(both, LEAVES), flatten(changes, LEAVES)), **scales)
+    return Train(**(flatten(both, LEAVES) | flatten(changes, LEAVES)), **scales)
 
 
 def load_case(path: str | Path, **leaves: Any) -> Train:

@@ -49,16 +49,13 @@ def case_error(error: ValidationError, model: type[BaseModel]) -> CaseError:
     fields: Mapping[str, FieldInfo] = {
         str(field.validation_alias or name): field for name, field in model.model_fields.items()
     }
-    lines = (_line(detail, fields) for detail in error.errors())
-    return CaseError("\n".join(line for line in lines if line))
+    return CaseError("\n".join(_line(detail, fields) for detail in error.errors()))
 
 
 def _line(detail: Any, fields: Mapping[str, FieldInfo]) -> str:
     kind = detail["type"]
     if kind == "value_error":  # raised by a check of ours (or by a section): already readable
         return str(detail["ctx"]["error"])
-    if kind == "default_factory_not_called":  # follows from an error that has its own line
-        return ""
     name = ".".join(str(part) for part in detail["loc"])
     field = fields.get(name)
     if kind == "missing":

@@ -7,7 +7,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from celltrain.parameters.errors import CaseError
-from celltrain.parameters.sections import Cell, Flow, Resolution, Tube
+from celltrain.parameters.resolution import Resolution
+from celltrain.parameters.sections import Cell, Flow, Tube
 
 #: Section -> names of its leaves, as in a case file.
 LEAVES: dict[str, tuple[str, ...]] = {
@@ -73,27 +74,6 @@ def nest(leaves: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         section: {name: leaves[name] for name in names if name in leaves}
         for section, names in LEAVES.items()
     }
-
-
-def override(leaves: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Leaves with some of them replaced; sizes that follow the degree follow a new degree.
-
-    A size follows the degree when it has the value that the degree gives it, so that equal cases
-    change in the same way, however they came about.
-    """
-    merged = dict(leaves)
-    if "degree" in changes and "degree" in leaves:
-        usual = Resolution(degree=leaves["degree"]).model_dump()
-        for name, value in usual.items():
-            if merged.get(name) == value and name in DERIVED:
-                del merged[name]
-    return merged | dict(changes)
-
-
-#: The sizes whose default follows from the degree.
-DERIVED = tuple(
-    name for name, field in Resolution.model_fields.items() if field.default_factory is not None
-)
 
 
 def _unknown(name: str, allowed: Iterable[str], home: Mapping[str, str], where: str) -> CaseError:

@@ -1,4 +1,4 @@
-"""The sections of a case: tube, cell, flow and resolution. All lengths in r0, moduli in mu U."""
+"""The physical sections of a case: tube, cell and flow. All lengths in r0, moduli in mu U."""
 
 from typing import Literal, Self
 
@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from celltrain.parameters.errors import CaseError
 from celltrain.parameters.profile import Profile
 from celltrain.parameters.scales import Scales
-from celltrain.parameters.section import Real, Section, Whole
+from celltrain.parameters.section import Real, Section
 from celltrain.parameters.units import BENDING_MODULUS, DILATATION_MODULUS, SHEAR_MODULUS
 
 _SCALES = Scales()
@@ -110,66 +110,3 @@ class Flow(Section):
     viscosity_ratio: Real = Field(
         default=1.0, gt=0, description="viscosity inside the cells over that of the plasma"
     )
-
-
-class Resolution(Section):
-    """Degree of the shapes, and sizes of the rules, which follow the degree unless given."""
-
-    degree: Whole = Field(
-        default=12,
-        ge=6,
-        le=48,
-        description="degree M: a shape has the harmonics of degree below M",
-        json_schema_extra={"reason": "the resting cell itself has harmonics of degree 5"},
-    )
-    energy_order: Whole = Field(
-        default_factory=lambda given: 3 * given["degree"],
-        ge=6,
-        le=400,
-        description="order of the grid on which the membrane energy is integrated",
-    )
-    source_order: Whole = Field(
-        default_factory=lambda given: 2 * -(-5 * given["degree"] // 4),
-        ge=6,
-        le=400,
-        description="order of the grid that carries the forces",
-    )
-    target_order: Whole = Field(
-        default_factory=lambda given: given["degree"] + 2,
-        ge=6,
-        le=400,
-        description="order of the grid on which the velocity is evaluated",
-    )
-    polar_radial: Whole = Field(
-        default_factory=lambda given: -(-7 * given["degree"] // 3),
-        ge=4,
-        le=400,
-        description="radial nodes of the polar rule around a target",
-    )
-    polar_azimuthal: Whole = Field(
-        default_factory=lambda given: 2 * -(-7 * given["degree"] // 4),
-        ge=4,
-        le=600,
-        multiple_of=2,
-        description="azimuthal nodes of the polar rule around a target (even)",
-    )
-    near_cutoff: Real = Field(
-        default=2.5,
-        gt=0,
-        le=20,
-        description="distance to which the near sum is taken, r0 also in SI",
-    )
-    tolerance: Real = Field(
-        default=1e-6, ge=1e-12, le=1e-3, description="relative error aimed at in the fast sums"
-    )
-
-    @model_validator(mode="after")
-    def _grids_hold_the_shape(self) -> Self:
-        for name in ("energy_order", "source_order", "target_order"):
-            order = getattr(self, name)
-            if order < self.degree:
-                raise CaseError(
-                    f"{name} = {order} is not allowed: a grid that holds shapes of degree"
-                    f" {self.degree} has an order >= {self.degree}"
-                )
-        return self

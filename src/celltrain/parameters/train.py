@@ -8,10 +8,11 @@ from pydantic import Field, model_validator
 
 from celltrain.parameters.errors import CaseError
 from celltrain.parameters.reference_shape import resting_measures
-from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten, nest, override
+from celltrain.parameters.resolution import Resolution, Sizes
+from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten, nest
 from celltrain.parameters.scales import Scales
 from celltrain.parameters.section import Real, Section, Whole
-from celltrain.parameters.sections import Cell, Flow, Resolution, Tube
+from celltrain.parameters.sections import Cell, Flow, Tube
 from celltrain.parameters.units import BENDING_MODULUS, DILATATION_MODULUS, SHEAR_MODULUS
 
 Units = Literal["dimensionless", "SI"]
@@ -26,7 +27,8 @@ class Train(Section):
         Train(tube=Tube(diameter=6), packing=0.2, cells=8, resolution={"degree": 16})
 
     Lengths in r0, velocities in U, viscosities in mu; :meth:`from_si` takes SI. Needed are the
-    ``diameter`` and the ``packing``; everything else has a default.
+    ``diameter`` and the ``packing``; everything else has a default, except the degree: unless it is
+    given a train has none until it is computed, and the train of the result has its own.
 
     Raises:
         CaseError: for an unknown name, a leaf given twice, and a value that is not allowed; its
@@ -99,6 +101,32 @@ class Train(Section):
         """Radius of the tube, r0."""
         return self.tube.diameter / 2
 
+    @property
+    def degree(self) -> int:
+        """Degree M of the shapes.
+
+        Raises:
+            CaseError: if the case has none.
+        """
+        return self.sizes.degree
+
+    @property
+    def sizes(self) -> Sizes:
+        """The degree and all sizes of the rules, given or following from it.
+
+        Raises:
+            CaseError: if the case has no degree.
+        """
+        return self.resolution.sizes
+
+    def resolved(self, degree: int) -> "Train":
+        """This case with the degree if it has none, otherwise itself.
+
+        Raises:
+            CaseError: as when a train is made.
+        """
+        return self if self.resolution.degree is not None else self.changed(degree=degree)
+
     def leaf(self, name: str) -> Any:
         """The value of a leaf by its name, such as ``"packing"``.
 
@@ -128,14 +156,11 @@ class Train(Section):
     def changed(self, **leaves: Any) -> "Train":
         """This case with some leaves (or whole sections) replaced, checked again.
 
-        A new degree takes along the sizes that have the values which the old degree gave them,
-        except those that are replaced, too.
-
         Raises:
             CaseError: as when a train is made.
         """
         scales = leaves.pop("scales", self.scales)
-        return Train(**override(self.leaves(), flatten(leaves)), scales=scales)
+        return Train(**(self.leaves() | flatten(leaves)), scales=scales)
 
     @classmethod
     def from_si(cls, **case: Any) -> "Train":
@@ -182,7 +207,7 @@ class Train(Section):
         }
         lines = [
             "# A case of celltrain: lengths in r0, velocities in U, viscosities in mu.",
-            "# Sizes in [resolution] with their usual values follow a change of the degree.",
+            "# Sizes that [resolution] does not have follow from the degree.",
         ]
         for section, values in {**self.sections(), "scales": self.scales.model_dump()}.items():
             fields = type(described[section]).model_fields

@@ -1,4 +1,4 @@
-"""Growth rates of an infinite train over the wave number."""
+"""Growth rates of an infinite train over the phase from cell to cell."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def draw_dispersion(result: InfiniteTrain, path: Path) -> Path:
     """
     figure = Figure(figsize=(10.0, 4.4), dpi=200, layout="constrained")
     modal, abrupt = figure.subplots(1, 2)
-    waves = result.wave_numbers / np.pi
+    phases = result.phases / np.pi
     best = result.most_unstable
     for m in result.azimuthal_numbers:
         color = COLORS[m] if m < len(COLORS) else OTHERS
@@ -30,10 +30,10 @@ def draw_dispersion(result: InfiniteTrain, path: Path) -> Path:
             (modal, result.growth_rates(m)),
             (abrupt, result.numerical_abscissas[m]),
         ):
-            apart = m == 0 and waves[0] == 0.0
+            apart = m == 0 and phases[0] == 0.0
             first = 1 if apart else 0
             axes.plot(
-                waves[first:],
+                phases[first:],
                 values[first:],
                 color=color,
                 marker="o",
@@ -43,11 +43,11 @@ def draw_dispersion(result: InfiniteTrain, path: Path) -> Path:
             )
             if apart:
                 axes.plot(
-                    waves[0], values[0], "o", markersize=5, color=color, markerfacecolor="none"
+                    phases[0], values[0], "o", markersize=5, color=color, markerfacecolor="none"
                 )
     modal.axhline(0.0, color="0.3", linewidth=0.8, zorder=1)
     modal.plot(
-        best.wave_number / np.pi,
+        best.phase / np.pi,
         best.growth_rate,
         marker="*",
         markersize=13,
@@ -60,7 +60,7 @@ def draw_dispersion(result: InfiniteTrain, path: Path) -> Path:
     modal.set_yscale("symlog", linthresh=max(2.0 * abs(best.growth_rate), 1e-3))
     modal.set_ylabel(r"growth rate  $\alpha_m(q)$  ($U/r_0$)")
     modal.set_title(
-        rf"(a) $\alpha$ = {best.growth_rate:.3g} $U/r_0$ at $q$ = {best.wave_number / np.pi:.3g}"
+        rf"(a) $\alpha$ = {best.growth_rate:.3g} $U/r_0$ at $q$ = {best.phase / np.pi:.3g}"
         rf" $\pi$, $m$ = {best.azimuthal_number}",
         loc="left",
         fontsize=10,

@@ -22,7 +22,7 @@ def draw_parameter_sensitivities(result: ParameterSensitivities, path: Path) -> 
     modal.barh(places, growth, height=0.6, color=np.where(growth > 0.0, "#D55E00", "#0072B2"))
     mode = result.mode
     modal.set_title(
-        rf"(a) $m$ = {mode.azimuthal_number}, $q$ = {mode.wave_number / np.pi:.3g} $\pi$,"
+        rf"(a) $m$ = {mode.azimuthal_number}, $q$ = {mode.phase / np.pi:.3g} $\pi$,"
         rf" $\alpha$ = {mode.growth_rate:.3g} $U/r_0$",
         loc="left",
         fontsize=10,

@@ -61,7 +61,7 @@ def export_paraview(
     **Raises:** `CaseError` if the arrays do not fit together, `OSError` if a file cannot be
     written.
     """
-    degree = train.resolution.degree
+    degree = train.degree
     if (
         shapes.ndim != 4
         or shapes.shape[2:] != (3, degree**2)
@@ -156,8 +156,8 @@ def _cells(
 ) -> PolyData:
     """All cells of one frame: the rings of the membrane's grid, closed by a point at each pole."""
     fields = surface_fields(membrane, jnp.asarray(shapes), jnp.asarray(rates))
-    rings = train.resolution.energy_order
-    poles = real_harmonics(train.resolution.degree, np.array([0.0, np.pi]), np.zeros(2))
+    rings = train.sizes.energy_order
+    poles = real_harmonics(train.degree, np.array([0.0, np.pi]), np.zeros(2))
     end_weights = _pole_weights(rings)
     tension = np.asarray(fields.tension).reshape(len(shapes), rings, -1)
     ends = tension.mean(axis=2) @ end_weights.T

@@ -103,7 +103,7 @@ def _case(train: Train) -> Text:
     text.append(version(), style="dim")
     text.append(
         f"  D = {train.tube.diameter:g} r0, packing {train.packing:g}, N = {train.cells},"
-        f" M = {train.resolution.degree}, viscosity ratio {train.flow.viscosity_ratio:g}"
+        f" M = {train.degree}, viscosity ratio {train.flow.viscosity_ratio:g}"
     )
     return text
 

@@ -127,7 +127,7 @@ def receptivity(
     cells = len(disturbance)
     phase = np.exp(-2j * np.pi * mode.wave_number * np.arange(cells) / cells)
     wave = np.einsum("p,pik->ik", phase, disturbance) / cells
-    basis = azimuthal_basis(result.base.train.resolution.degree, mode.azimuthal_number)
+    basis = azimuthal_basis(result.base.train.degree, mode.azimuthal_number)
     left, _ = mode_vectors(result, mode)
     return complex(left.conj() @ np.einsum("uik,ik->u", basis, wave))
 
@@ -160,7 +160,7 @@ def structural_sensitivity(
     if mode.neutral:
         raise CaseError(f"mode = {mode.neutral_kind} is not allowed: it is neutral")
     base, m = result.base, mode.azimuthal_number
-    degree = base.train.resolution.degree
+    degree = base.train.degree
     theta = np.linspace(0.0, np.pi, points)
     left, right = mode_vectors(result, mode)
     volume = neutral_space(base, m, mode.wave_number).volume

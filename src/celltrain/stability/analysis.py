@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from celltrain.parameters import CaseError, Train
+from celltrain.parameters.resolution import LARGEST_DEGREE
 from celltrain.programs import forget_many_programs
 from celltrain.runtime import timed
 from celltrain.stability.linearise import Blocks, Progress, linear_blocks
@@ -22,17 +23,20 @@ MORE_DEGREES = 2
 def check_linearisable(train: Train, azimuthal_numbers: Sequence[int] | None) -> None:
     """See to it that the linear dynamics of a train can be had, before anything is computed.
 
+    A train that has no degree yet may get any, so its azimuthal numbers are held to the largest.
+
     **Raises:** `CaseError` for an azimuthal number out of range.
     """
-    degree = train.resolution.degree
     if azimuthal_numbers is None:
         return
-    wrong = [m for m in azimuthal_numbers if not isinstance(m, int) or not 0 <= m <= degree]
+    degree = train.resolution.degree
+    most = LARGEST_DEGREE if degree is None else degree
+    wrong = [m for m in azimuthal_numbers if not isinstance(m, int) or not 0 <= m <= most]
     if wrong or not azimuthal_numbers:
         given = ", ".join(str(m) for m in wrong) or "none"
         raise CaseError(
             f"azimuthal_numbers = {given} is not allowed; allowed: whole numbers from 0 to the"
-            f" degree, {degree}"
+            f" degree, {'at most ' if degree is None else ''}{most}"
         )
 
 
@@ -65,7 +69,7 @@ def stability(
     forget_many_programs()
     begin = time.perf_counter()
     train = base.train
-    degree, cells = train.resolution.degree, train.cells
+    degree, cells = train.degree, train.cells
     check_linearisable(train, azimuthal_numbers)
     numbers = tuple(range(degree + 1) if azimuthal_numbers is None else azimuthal_numbers)
     waves = np.arange(cells // 2 + 1)
@@ -160,7 +164,7 @@ def _resolution_error(base: Base, leading: Mode) -> float:
     train = base.train
     try:
         # Grids chosen by hand may be too coarse for a higher degree.
-        finer = train.changed(degree=train.resolution.degree + MORE_DEGREES)
+        finer = train.changed(degree=train.degree + MORE_DEGREES)
         nearby = steady(finer, start=base, estimate_error=False)
     except (CaseError, NotConverged):
         return float("nan")

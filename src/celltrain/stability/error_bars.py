@@ -91,7 +91,7 @@ def _bar(mode: Mode, finer: tuple[complex, float], ruled: tuple[complex, float])
 
 
 def _more_degrees(train: Train) -> Train:
-    return train.changed(degree=train.resolution.degree + MORE_DEGREES)
+    return train.changed(degree=train.degree + MORE_DEGREES)
 
 
 def _found(result: Stability, places: Places, change: Callable[[Train], Train]) -> Found:
@@ -118,9 +118,9 @@ def _padded(
     vector: Complex[np.ndarray, " size"], m: int, before: Base, after: Base
 ) -> Complex[np.ndarray, " other"]:
     """A vector in the basis of another degree."""
-    old, new = (azimuthal_basis(each.train.resolution.degree, m) for each in (before, after))
+    old, new = (azimuthal_basis(each.train.degree, m) for each in (before, after))
     field = np.einsum("u,uik->ik", vector, old)
-    degree = after.train.resolution.degree
+    degree = after.train.degree
     wider = change_degree(field.real, degree) + 1j * change_degree(field.imag, degree)
     return np.einsum("uik,ik->u", new, wider)
 

@@ -44,13 +44,13 @@ from celltrain.steady import Base
 #: Azimuthal numbers of the modes that matter in all trains tried.
 NUMBERS = (0, 1, 2, 3)
 SAMPLES = 17
-#: Shortest phase but 0 for which the dynamics is accurate.
+#: Smallest phase but 0 for which the dynamics is accurate.
 SMALLEST = 1e-3
 # Steps of the search between two samples, and the tolerance of q at its end.
 STEPS = 8
-WAVE_NUMBER_TOLERANCE = 1e-6
+PHASE_TOLERANCE = 1e-6
 
-Waves = Float[np.ndarray, " wave"]
+Phases = Float[np.ndarray, " phase"]
 
 
 @dataclass(frozen=True)
@@ -63,14 +63,14 @@ class WaveMode:
     growth_rate: float
     frequency: float
     azimuthal_number: int
-    wave_number: float
+    phase: float
     right: Complex[np.ndarray, " size"]
     left: Complex[np.ndarray, " size"]
 
 
 @dataclass(frozen=True)
 class InfiniteTrain:
-    """The linear dynamics of an infinite train at the wave numbers q, rates in U/r0.
+    """The linear dynamics of an infinite train at the phases q, rates in U/r0.
 
     `leading` holds for each m one mode for each q; `numerical_abscissas` for each m the largest
     initial growth rates in the norm (see `coordinates` for what it does about neutral modes).
@@ -79,9 +79,9 @@ class InfiniteTrain:
 
     base: Base
     norm: str
-    wave_numbers: Waves
+    phases: Phases
     leading: dict[int, tuple[WaveMode, ...]]
-    numerical_abscissas: dict[int, Waves]
+    numerical_abscissas: dict[int, Phases]
     most_unstable: WaveMode
     seconds: dict[str, float]
 
@@ -90,21 +90,21 @@ class InfiniteTrain:
         """Those that were looked at."""
         return tuple(self.leading)
 
-    def growth_rates(self, m: int) -> Waves:
-        """alpha_m(q) at the wave numbers."""
+    def growth_rates(self, m: int) -> Phases:
+        """alpha_m(q) at the phases."""
         return np.array([mode.growth_rate for mode in self.leading[m]])
 
-    def frequencies(self, m: int) -> Waves:
+    def frequencies(self, m: int) -> Phases:
         """Imaginary part of the leading eigenvalue of A_m(q); the phase moves at -this/q."""
         return np.array([mode.frequency for mode in self.leading[m]])
 
     def to_dataset(self) -> xr.Dataset:
         """Curves and optimum as a data set with units, ready for netCDF."""
         numbers = self.azimuthal_numbers
-        dims = ("azimuthal", "wave")
+        dims = ("azimuthal", "phase")
         best = self.most_unstable
 
-        def table(rows: list[Waves], symbol: str, name: str) -> xr.Variable:
+        def table(rows: list[Phases], symbol: str, name: str) -> xr.Variable:
             notes = {"long_name": name, "units": "U/r0", "symbol": symbol}
             return xr.Variable(dims, np.stack(rows), notes)
 
@@ -132,16 +132,14 @@ class InfiniteTrain:
                     best.growth_rate, "U/r0", "growth rate of the most unstable wave"
                 ),
                 "most_unstable_frequency": number(best.frequency, "U/r0", "its frequency"),
-                "most_unstable_wave_number": number(
-                    best.wave_number, "radian", "its phase from cell to cell"
-                ),
+                "most_unstable_phase": number(best.phase, "radian", "its phase from cell to cell"),
                 "most_unstable_azimuthal_number": number(
                     float(best.azimuthal_number), "1", "its azimuthal number"
                 ),
             },
             coords={
                 "azimuthal": ("azimuthal", np.array(numbers)),
-                "wave": ("wave", self.wave_numbers, {"units": "radian", "symbol": "q"}),
+                "phase": ("phase", self.phases, {"units": "radian", "symbol": "q"}),
             },
             attrs={
                 "title": "linear dynamics of an infinite train",
@@ -155,91 +153,91 @@ class InfiniteTrain:
 def infinite_train(
     base: Base,
     *,
-    wave_numbers: Sequence[float] | Waves | None = None,
+    phases: Sequence[float] | Phases | None = None,
     azimuthal_numbers: Sequence[int] = NUMBERS,
     norm: Norm | None = None,
     progress: Progress | None = None,
 ) -> InfiniteTrain:
-    """Growth rates of an infinite train over the wave number q, and the most unstable wave.
+    """Growth rates of an infinite train over the phase q, and the most unstable wave.
 
         alpha_m(q) = max Re lambda, lambda the eigenvalues of A_m(q), neutral ones set aside.
 
     **Arguments:**
 
     - `base`: the steady train; its number of cells does not matter.
-    - `wave_numbers`: q in radians per cell, rising, 0 or from 0.001 to pi; 17 in equal steps from 0
+    - `phases`: q in radians per cell, rising, 0 or from 0.001 to pi; 17 in equal steps from 0
       to pi if not given.
     - `azimuthal_numbers`: m, each from 0 to the degree.
     - `norm`: of eta_m(q); that of the paper, Eq. (8), if not given.
-    - `progress`: called with (wave numbers done, all).
+    - `progress`: called with (phases done, all).
 
     **Returns:** an `InfiniteTrain`.
 
-    **Raises:** `CaseError` for wave or azimuthal numbers that are not allowed.
+    **Raises:** `CaseError` for phases or azimuthal numbers that are not allowed.
     """
     begin = time.perf_counter()
     numbers = tuple(azimuthal_numbers)
     check_linearisable(base.train, numbers)
-    waves = np.linspace(0.0, np.pi, SAMPLES) if wave_numbers is None else np.array(wave_numbers)
-    check_waves(waves)
+    samples = np.linspace(0.0, np.pi, SAMPLES) if phases is None else np.array(phases)
+    check_phases(samples)
     norm = PaperNorm() if norm is None else norm
     seconds: dict[str, float] = {}
     blocks = linear_blocks(
-        base.train, base.coefficients, waves, numbers, seconds=seconds, progress=progress
+        base.train, base.coefficients, samples, numbers, seconds=seconds, progress=progress
     )
     leading = {
-        m: tuple(_leading(base, m, float(q), blocks[m][i]) for i, q in enumerate(waves))
+        m: tuple(_leading(base, m, float(q), blocks[m][i]) for i, q in enumerate(samples))
         for m in numbers
     }
     abscissas = {
         m: np.array(
             [
                 normed_block(block, gram, _neutral(base, m, q)).numerical_abscissa
-                for q, block in zip(waves, blocks[m], strict=True)
+                for q, block in zip(samples, blocks[m], strict=True)
             ]
         )
         for m, gram in norm.grams(base.coefficients, numbers).items()
     }
     best = max((mode for each in leading.values() for mode in each), key=lambda w: w.growth_rate)
-    if len(waves) > 1:
-        m, q = _best_between(base, waves, blocks)
+    if len(samples) > 1:
+        m, q = _best_between(base, samples, blocks)
         # All azimuthal numbers: their programs are compiled already.
         again = linear_blocks(
             base.train, base.coefficients, np.array([q]), numbers, seconds=seconds
         )
         best = max(best, _leading(base, m, q, again[m][0]), key=lambda mode: mode.growth_rate)
     seconds["total"] = time.perf_counter() - begin
-    return InfiniteTrain(base, norm.name, waves, leading, abscissas, best, seconds)
+    return InfiniteTrain(base, norm.name, samples, leading, abscissas, best, seconds)
 
 
 def distance_to_uniform(
     base: Base,
-    wave_numbers: Sequence[float],
+    phases: Sequence[float],
     azimuthal_numbers: Sequence[int] = NUMBERS,
-) -> dict[int, Waves]:
+) -> dict[int, Phases]:
     """|A_m(q) - A_m(0)|/|A_m(0)|, 2-norms, for each m and each q (radians per cell)."""
-    waves = np.array([0.0, *wave_numbers])
-    blocks = linear_blocks(base.train, base.coefficients, waves, azimuthal_numbers)
+    places = np.array([0.0, *phases])
+    blocks = linear_blocks(base.train, base.coefficients, places, azimuthal_numbers)
     return {
         m: np.linalg.norm(each[1:] - each[0], 2, axis=(1, 2)) / np.linalg.norm(each[0], 2)
         for m, each in blocks.items()
     }
 
 
-def check_waves(waves: Waves) -> None:
-    """See to it that wave numbers rise, and are 0 or from 0.001 to pi.
+def check_phases(phases: Phases) -> None:
+    """See to it that phases rise, and are 0 or from 0.001 to pi.
 
     **Raises:** `CaseError` if they do not.
     """
-    if waves.ndim != 1 or len(waves) == 0:
-        raise CaseError("wave_numbers = none is not allowed; allowed: numbers from 0 to pi")
-    wrong = waves[~((waves == 0.0) | ((waves >= SMALLEST) & (waves <= np.pi)))]
+    if phases.ndim != 1 or len(phases) == 0:
+        raise CaseError("phases = none is not allowed; allowed: numbers from 0 to pi")
+    wrong = phases[~((phases == 0.0) | ((phases >= SMALLEST) & (phases <= np.pi)))]
     if wrong.size:
         raise CaseError(
-            f"wave_numbers = {wrong[0]:g} is not allowed; allowed: 0, and from {SMALLEST:g} to pi"
+            f"phases = {wrong[0]:g} is not allowed; allowed: 0, and from {SMALLEST:g} to pi"
         )
-    if (np.diff(waves) <= 0.0).any():
-        raise CaseError("wave_numbers that do not rise are not allowed")
+    if (np.diff(phases) <= 0.0).any():
+        raise CaseError("phases that do not rise are not allowed")
 
 
 def _neutral(base: Base, m: int, q: float) -> NeutralSpace:
@@ -260,13 +258,14 @@ def _leading(base: Base, m: int, q: float, block: Complex[np.ndarray, "size size
     )
 
 
-def _best_between(base: Base, waves: Waves, blocks: Blocks) -> tuple[int, float]:
-    """Azimuthal and wave number of the largest growth rate on the splines through the samples."""
-    steps = np.interp(np.arange(STEPS * (len(waves) - 1) + 1) / STEPS, np.arange(len(waves)), waves)
+def _best_between(base: Base, phases: Phases, blocks: Blocks) -> tuple[int, float]:
+    """Azimuthal number and phase of the largest growth rate on the splines through the samples."""
+    count = len(phases)
+    steps = np.interp(np.arange(STEPS * (count - 1) + 1) / STEPS, np.arange(count), phases)
     steps = steps[(steps == 0.0) | (steps >= SMALLEST)]
     best, place = -np.inf, (0, 0.0)
     for m, samples in blocks.items():
-        spline = _spline(waves, samples)
+        spline = _spline(phases, samples)
 
         def decay(q: float, m: int = m, spline: CubicSpline = spline) -> float:
             return -_leading(base, m, q, spline(q)).growth_rate
@@ -277,7 +276,7 @@ def _best_between(base: Base, waves: Waves, blocks: Blocks) -> tuple[int, float]
             decay,
             bounds=(min(max(low, SMALLEST), high), high),
             method="bounded",
-            options={"xatol": WAVE_NUMBER_TOLERANCE},
+            options={"xatol": PHASE_TOLERANCE},
         )
         # The optimiser never looks at the ends themselves.
         for q in (float(found.x), float(steps[index])):
@@ -286,10 +285,10 @@ def _best_between(base: Base, waves: Waves, blocks: Blocks) -> tuple[int, float]
     return place
 
 
-def _spline(waves: Waves, samples: Complex[np.ndarray, "wave size size"]) -> CubicSpline:
+def _spline(phases: Phases, samples: Complex[np.ndarray, "phase size size"]) -> CubicSpline:
     """A_m(q) from -pi to 2 pi."""
     mirrored = np.concatenate([samples[::-1].conj(), samples, samples[::-1].conj()])
     places, first = np.unique(
-        np.concatenate([-waves[::-1], waves, 2.0 * np.pi - waves[::-1]]), return_index=True
+        np.concatenate([-phases[::-1], phases, 2.0 * np.pi - phases[::-1]]), return_index=True
     )
     return CubicSpline(places, mirrored[first])

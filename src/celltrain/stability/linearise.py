@@ -183,7 +183,7 @@ def linear_action(
 def linear_blocks(
     train: Train,
     shape: Float[np.ndarray, "3 coefficient"],
-    wave_numbers: Float[np.ndarray, " wave"],
+    phases: Float[np.ndarray, " phase"],
     azimuthal_numbers: Sequence[int],
     *,
     seconds: dict[str, float] | None = None,
@@ -194,20 +194,20 @@ def linear_blocks(
     **Arguments:**
 
     - `shape`: coefficients of one cell of the steady train.
-    - `wave_numbers`: q, in radians per cell.
+    - `phases`: q, in radians per cell.
     - `azimuthal_numbers`: m >= 0; -m has the same matrix.
     - `seconds`: takes the time spent, under "linearise" and "compile".
-    - `progress`: called with (wave numbers done, all).
+    - `progress`: called with (phases done, all).
 
     **Returns:** for each m the matrices in the basis `azimuthal_basis(degree, m)`, one per q. The
     column of a disturbance holds its rate of change; `A_m(-q)` is the complex conjugate of
     `A_m(q)`.
     """
-    degree = train.resolution.degree
+    degree = train.degree
     directions, contents = combined_directions(degree, azimuthal_numbers)
     bases = {m: azimuthal_basis(degree, m) for m in azimuthal_numbers}
     blocks: Blocks = {
-        m: np.zeros((len(wave_numbers), len(basis), len(basis)), dtype=complex)
+        m: np.zeros((len(phases), len(basis), len(basis)), dtype=complex)
         for m, basis in bases.items()
     }
     # Whole batches only: a remainder would be compiled as a second program.
@@ -232,9 +232,9 @@ def linear_blocks(
         fixed, force_changes, turned = jax.block_until_ready(
             _fixed_part(train_operator(train, close=close), base, steps)
         )
-    for wave, q in enumerate(wave_numbers):
+    for number, q in enumerate(phases):
         with timed(seconds, "linearise"):
-            operator = train_operator(train, wave_number=float(q), close=close)
+            operator = train_operator(train, phase=float(q), close=close)
             changes = _wave_part(operator, base, steps, force_changes)
             matrices = assembled(_conserve(operator, base, fixed + changes) + turned)
             if ratio != 1.0:
@@ -243,7 +243,7 @@ def linear_blocks(
             if ratio != 1.0:
                 equation = 0.5 * (1.0 + ratio) * np.eye(len(matrix)) - (1.0 - ratio) * interior[m]
                 matrix = np.linalg.solve(equation, matrix)
-            blocks[m][wave] = matrix
+            blocks[m][number] = matrix
         if progress is not None:
-            progress(wave + 1, len(wave_numbers))
+            progress(number + 1, len(phases))
     return blocks

@@ -60,7 +60,7 @@ class NeutralDefect:
 def neutral_space(base: Base, m: int, wave: int) -> NeutralSpace:
     """The known null vectors of A_m(2 pi wave/N), in `azimuthal_basis(degree, m)`."""
     shape = base.coefficients
-    basis = azimuthal_basis(base.train.resolution.degree, m)
+    basis = azimuthal_basis(base.train.degree, m)
     empty = np.zeros((len(basis), 0))
     if m != 0:
         return NeutralSpace(empty, (), None)

@@ -110,7 +110,7 @@ class ParameterSensitivities:
                 "mode_growth_rate": self.mode.growth_rate,
                 "mode_frequency": self.mode.frequency,
                 "mode_azimuthal_number": self.mode.azimuthal_number,
-                "mode_wave_number": self.mode.wave_number,
+                "mode_phase": self.mode.phase,
             },
         )
 
@@ -143,7 +143,7 @@ def parameter_sensitivities(
 def wave_sensitivities(
     base: Base, mode: WaveMode, *, parameters: Sequence[str] | None = None
 ) -> ParameterSensitivities:
-    """The same for a mode of an infinite train with any wave number q, which is held.
+    """The same for a mode of an infinite train with any phase q, which is held.
 
     **Raises:** `CaseError` for a parameter that is not allowed.
     """
@@ -155,10 +155,10 @@ def wave_sensitivities(
     equal, ratio = train.changed(viscosity_ratio=1.0), train.flow.viscosity_ratio
     close = clearance(base.coefficients, train.period, train.radius) < close_distance(train)
     still = variation(train_operator(equal, close=close), train, names)
-    moving = train_operator(equal, close=close, wave_number=mode.wave_number)
+    moving = train_operator(equal, close=close, phase=mode.phase)
     wave = variation(moving, train, names)
     shape = jnp.asarray(base.coefficients)
-    basis = azimuthal_basis(train.resolution.degree, mode.azimuthal_number)
+    basis = azimuthal_basis(train.degree, mode.azimuthal_number)
     directions = np.einsum("pu,uik->pik", [mode.right.real, mode.right.imag], basis)
     value = complex(mode.growth_rate, mode.frequency)
 

@@ -121,7 +121,7 @@ class Stability:
         self, m: int, wave: int, vector: Complex[np.ndarray, " size"], phase: float
     ) -> Float[np.ndarray, "cell 3 coefficient"]:
         cells = self.base.train.cells
-        degree = self.base.train.resolution.degree
+        degree = self.base.train.degree
         # A common phase that makes the first cell's disturbance as real as it can be.
         real = vector * np.exp(-0.5j * np.angle(np.sum(vector**2)))
         turn = np.exp(1j * (2.0 * math.pi * wave * np.arange(cells) / cells + phase))

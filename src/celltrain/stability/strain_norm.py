@@ -106,7 +106,7 @@ class StrainNorm(Norm):
             # Elastic whatever the cell's: of the others a steady shape is no minimum.
             ElasticBending(jnp.asarray(cell.bending_modulus)),
             shape,
-            energy_order=self.train.resolution.energy_order,
+            energy_order=self.train.sizes.energy_order,
         )
         vectors, weights, _ = area_vectors(shape)
         area = float(np.linalg.norm(vectors, axis=-1) @ weights)

@@ -92,7 +92,7 @@ class SteadySystem(eqx.Module):
 
 def steady_system(train: Train, *, close: bool) -> SteadySystem:
     """The steady equations of a train, of which cells may be `close` to each other."""
-    basis = axisymmetric_basis(train.resolution.degree)
+    basis = axisymmetric_basis(train.degree)
     # Cells in steady motion move rigidly: their viscosity plays no part.
     train = train.changed(viscosity_ratio=1.0)
     return SteadySystem(

@@ -23,13 +23,13 @@ MARGIN = 1.5
 
 def refined(train: Train) -> Train:
     """The same train with finer grids and rules and smaller tolerances, at the same degree."""
-    resolution = train.resolution
+    sizes, resolution = train.sizes, train.resolution
     orders = ("energy_order", "source_order", "polar_radial")
-    finer = {name: math.ceil(FINER * getattr(resolution, name)) for name in orders}
+    finer = {name: math.ceil(FINER * getattr(sizes, name)) for name in orders}
     return train.changed(
         **finer,
-        target_order=math.ceil(FINER_TARGETS * resolution.target_order),
-        polar_azimuthal=2 * math.ceil(0.5 * FINER * resolution.polar_azimuthal),
+        target_order=math.ceil(FINER_TARGETS * sizes.target_order),
+        polar_azimuthal=2 * math.ceil(0.5 * FINER * sizes.polar_azimuthal),
         near_cutoff=FINER * resolution.near_cutoff,
         tolerance=max(FINER_TOLERANCE * resolution.tolerance, 1e-12),
     )

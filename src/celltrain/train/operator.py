@@ -27,7 +27,7 @@ from celltrain.membrane import (
     make_membrane,
     resting_shape,
 )
-from celltrain.parameters import Resolution, Train
+from celltrain.parameters import Train
 from celltrain.train.gmres import Convergence
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
 from celltrain.train.source_grid import SourceGrid, source_grid
@@ -235,18 +235,18 @@ class TrainOperator(eqx.Module):
 
 def train_membrane(train: Train) -> Membrane:
     """The membrane that a train's cells have."""
-    cell, resolution = train.cell, train.resolution
+    cell, sizes = train.cell, train.sizes
     return make_membrane(
         make_law(cell.law, cell.shear_modulus, cell.dilatation_modulus),
         make_bending(cell.bending, cell.bending_modulus, cell.spontaneous_curvature),
-        resting_shape(cell, resolution.degree),
-        energy_order=resolution.energy_order,
+        resting_shape(cell, sizes.degree),
+        energy_order=sizes.energy_order,
     )
 
 
 def resting_shapes(train: Train, cells: int) -> Float[np.ndarray, "cell 3 coefficient"]:
     """Resting cells on the axis, one period apart, the first at z = 0."""
-    return place_cells(resting_shape(train.cell, train.resolution.degree), train, cells)
+    return place_cells(resting_shape(train.cell, train.degree), train, cells)
 
 
 def place_cells(
@@ -261,7 +261,7 @@ def place_cells(
 
 def close_distance(train: Train) -> float:
     """Distance from a membrane, in r0, below which its ordinary source grid does not serve."""
-    return CLOSE_STEPS * math.pi / train.resolution.source_order
+    return CLOSE_STEPS * math.pi / train.sizes.source_order
 
 
 def train_operator(
@@ -270,7 +270,7 @@ def train_operator(
     cells: int = 1,
     rings: bool = True,
     meridian: bool = False,
-    wave_number: float | None = None,
+    phase: float | None = None,
     close: bool | None = None,
     gap: float | None = None,
 ) -> TrainOperator:
@@ -281,18 +281,18 @@ def train_operator(
     - `rings`: the base shapes are axisymmetric about the axis (derivatives may leave that); with
       `rings=False` any shapes are allowed.
     - `meridian`: only axisymmetric shapes and disturbances.
-    - `wave_number`: q in radians per period, for disturbances that change by exp(i q) from one
+    - `phase`: q in radians per period, for disturbances that change by exp(i q) from one
       period to the next.
     - `close`: whether cells may come closer to each other or to the wall than `close_distance`;
       by default they may, unless they form rings.
     - `gap`: smallest distance of a cell from the wall for which the wall is resolved, in r0; by
       default that of a resting cell on the axis.
     """
-    resolution: Resolution = train.resolution
+    sizes, resolution = train.sizes, train.resolution
     resting = train_membrane(train)
-    target_grid = sphere_grid(resolution.degree, resolution.target_order)
-    order = resolution.source_order
-    halved = order % 2 == 0 and order // 2 >= resolution.degree
+    target_grid = sphere_grid(sizes.degree, sizes.target_order)
+    order = sizes.source_order
+    halved = order % 2 == 0 and order // 2 >= sizes.degree
     ratio = train.flow.viscosity_ratio
     widest = float(
         np.hypot(*np.asarray(target_grid.values @ resting.reference_shape[:2].T).T).max()
@@ -300,8 +300,8 @@ def train_operator(
 
     def close_evaluation(parameter: float) -> CloseEvaluation:
         distance = close_distance(train)
-        rule = close_rule(resolution.degree, parameter=parameter, farthest=distance)
-        angles = np.stack(sphere_grid(resolution.degree, order).points(), axis=-1)
+        rule = close_rule(sizes.degree, parameter=parameter, farthest=distance)
+        angles = np.stack(sphere_grid(sizes.degree, order).points(), axis=-1)
         return CloseEvaluation(rule, jnp.asarray(angles), distance)
 
     tube = periodic_tube(
@@ -312,7 +312,7 @@ def train_operator(
         cutoff=resolution.near_cutoff,
         tolerance=resolution.tolerance,
         rings=rings,
-        wave_number=wave_number,
+        phase=phase,
         close=close_evaluation if (not rings if close is None else close) else None,
         # Errors of the ordinary rules fall exponentially with the distance.
         coarse_beyond=2.0
@@ -323,14 +323,14 @@ def train_operator(
         membrane=resting,
         tube=tube,
         own_rule=own_surface_rule(
-            resolution.degree,
+            sizes.degree,
             np.asarray(target_grid.theta),
-            radial=resolution.polar_radial,
-            azimuthal=resolution.polar_azimuthal,
+            radial=sizes.polar_radial,
+            azimuthal=sizes.polar_azimuthal,
             parameter=tube.split.parameter,
         ),
-        source_grid=source_grid(resolution.degree, order),
-        coarse_grid=source_grid(resolution.degree, order // 2) if halved else None,
+        source_grid=source_grid(sizes.degree, order),
+        coarse_grid=source_grid(sizes.degree, order // 2) if halved else None,
         target_grid=target_grid,
         viscosity_ratio=None if ratio == 1.0 else jnp.asarray(ratio),
         solver_tolerance=SOLVER_TOLERANCE * resolution.tolerance,

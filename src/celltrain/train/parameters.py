@@ -50,7 +50,7 @@ def parameter_value(train: Train, name: str) -> float:
         return train.cell.capillary_number
     value = train.leaf(name)
     # Only a reduced volume may be left open.
-    return healthy_reduced_volume(train.resolution.degree) if value is None else float(value)
+    return healthy_reduced_volume(train.degree) if value is None else float(value)
 
 
 def with_parameter(train: Train, name: str, value: float) -> Train:

@@ -89,7 +89,7 @@ def variation(operator: TrainOperator, train: Train, names: Sequence[str]) -> Va
     start = {name: parameter_value(train, name) for name in named}
     rest_slope = None
     if "reduced_volume" in start:
-        rest_slope = jnp.asarray(relaxed_slope(train.resolution.degree, start["reduced_volume"]))
+        rest_slope = jnp.asarray(relaxed_slope(train.degree, start["reduced_volume"]))
     return Variation(
         operator=operator,
         start={name: jnp.asarray(value) for name, value in start.items()},
