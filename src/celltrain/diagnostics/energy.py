@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.diagnostics.spectrum import disturbance_amplitude
-from celltrain.membrane import Membrane
+from celltrain.membrane.energy import Membrane
 from celltrain.membrane.laws import ConstitutiveLaw
 from celltrain.parameters import CaseError
 from celltrain.steady import Base

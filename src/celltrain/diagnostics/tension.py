@@ -4,7 +4,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from celltrain.membrane import Membrane, surface_geometry
+from celltrain.membrane.energy import Membrane
+from celltrain.membrane.geometry import surface_geometry
 
 
 def isotropic_tension(

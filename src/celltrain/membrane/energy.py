@@ -15,7 +15,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.harmonics import HarmonicTables, harmonic_tables, sphere_grid
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.tables import HarmonicTables, harmonic_tables
 from celltrain.membrane.bending import BendingLaw, Mixed
 from celltrain.membrane.geometry import SurfaceGeometry, surface_geometry, volume
 from celltrain.membrane.laws import ConstitutiveLaw

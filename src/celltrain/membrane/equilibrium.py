@@ -30,7 +30,8 @@ import numpy as np
 from jaxtyping import Array, Float
 from scipy.optimize import NonlinearConstraint, minimize
 
-from celltrain.harmonics import coefficient_index, harmonic_tables
+from celltrain.harmonics import coefficient_index
+from celltrain.harmonics.tables import harmonic_tables
 from celltrain.membrane.bending import make_bending
 from celltrain.membrane.energy import Membrane
 from celltrain.membrane.geometry import surface_geometry

@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from celltrain.harmonics import HarmonicTables
+from celltrain.harmonics.tables import HarmonicTables
 
 
 class SurfaceGeometry(eqx.Module):

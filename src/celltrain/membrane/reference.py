@@ -3,7 +3,8 @@
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import real_harmonics, sphere_grid, unit_vectors
+from celltrain.harmonics import real_harmonics, unit_vectors
+from celltrain.harmonics.grid import sphere_grid
 from celltrain.parameters.reference_shape import BICONCAVE_PROFILE, BICONCAVE_RADIUS
 
 

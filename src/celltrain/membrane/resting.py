@@ -4,7 +4,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
-from celltrain.harmonics import coefficient_index, real_harmonics, sphere_grid
+from celltrain.harmonics import coefficient_index, real_harmonics
+from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane.equilibrium import relaxed_shape
 from celltrain.membrane.reference import reference_coefficients
 from celltrain.parameters import CaseError, Cell

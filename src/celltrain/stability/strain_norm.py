@@ -25,10 +25,12 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Array, Float
 
-from celltrain.membrane import ElasticBending, Membrane, make_law, make_membrane
+from celltrain.harmonics import azimuthal_basis
+from celltrain.membrane import ElasticBending, make_law
+from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.stability.norms import Grams, Norm, Shape, SurfaceNorm
-from celltrain.train import area_vectors, azimuthal_basis
+from celltrain.train import area_vectors
 
 BATCH = 12
 

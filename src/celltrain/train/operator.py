@@ -19,14 +19,9 @@ from celltrain.flow import OwnSurfaceRule, PeriodicTube, Sources, own_surface_ru
 from celltrain.flow.close import close_rule
 from celltrain.flow.neighbours import CloseEvaluation
 from celltrain.flow.sources import Surface
-from celltrain.harmonics import SphereGrid, sphere_grid
-from celltrain.membrane import (
-    Membrane,
-    make_bending,
-    make_law,
-    make_membrane,
-    resting_shape,
-)
+from celltrain.harmonics.grid import SphereGrid, sphere_grid
+from celltrain.membrane import make_bending, make_law, resting_shape
+from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import Resolution, Train
 from celltrain.train.gmres import Convergence
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow

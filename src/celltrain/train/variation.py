@@ -14,7 +14,9 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from celltrain.membrane import Membrane, relaxed_slope, surface_geometry
+from celltrain.membrane import relaxed_slope
+from celltrain.membrane.energy import Membrane
+from celltrain.membrane.geometry import surface_geometry
 from celltrain.membrane.laws import make_law
 from celltrain.parameters import Train
 from celltrain.train.operator import TrainOperator
