@@ -13,10 +13,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from celltrain.clock import timed
 from celltrain.membrane import resting_shape
 from celltrain.parameters import Train
 from celltrain.programs import forget_many_programs
-from celltrain.runtime import timed
 from celltrain.steady.base import Base, Iteration, NotConverged
 from celltrain.steady.system import State, SteadySystem, bordered_step, steady_system
 from celltrain.train import (

@@ -20,7 +20,7 @@ from celltrain.flow.close import close_rule
 from celltrain.flow.neighbours import CloseEvaluation
 from celltrain.flow.sources import Surface
 from celltrain.harmonics.grid import SphereGrid, sphere_grid
-from celltrain.membrane import make_bending, make_law, resting_shape
+from celltrain.membrane import cell_material, resting_shape
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import Resolution, Train
 from celltrain.train.gmres import Convergence
@@ -231,12 +231,8 @@ class TrainOperator(eqx.Module):
 def train_membrane(train: Train) -> Membrane:
     """The membrane that a train's cells have."""
     cell, resolution = train.cell, train.resolution
-    return make_membrane(
-        make_law(cell.law, cell.shear_modulus, cell.dilatation_modulus),
-        make_bending(cell.bending, cell.bending_modulus, cell.spontaneous_curvature),
-        resting_shape(cell, resolution.degree),
-        energy_order=resolution.energy_order,
-    )
+    shape = resting_shape(cell, resolution.degree)
+    return make_membrane(*cell_material(cell), shape, energy_order=resolution.energy_order)
 
 
 def resting_shapes(train: Train, cells: int) -> Float[np.ndarray, "cell 3 coefficient"]:
