@@ -22,11 +22,10 @@ TYPED = (
 )
 install_import_hook([f"celltrain.{name}" for name in TYPED], "beartype.beartype")
 
-from celltrain.harmonics import real_harmonics
+from celltrain.harmonics import azimuthal_basis, real_harmonics
 from celltrain.parameters import Train
 from celltrain.stability import Mode, Stability, TransientMode, stability
 from celltrain.steady import Base, Iteration, steady
-from celltrain.train import azimuthal_basis
 
 
 def bullet(degree: int) -> np.ndarray:

@@ -15,7 +15,9 @@ from numpy.testing import assert_allclose
 from celltrain.flow.close import CloseRule, close_rule, graded_nodes
 from celltrain.flow.near import block_sum, stresslet_block_sum
 from celltrain.flow.nearest import nearest_point
-from celltrain.harmonics import degrees_and_orders, harmonic_tables, real_harmonics, sphere_grid
+from celltrain.harmonics import degrees_and_orders, real_harmonics
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.tables import harmonic_tables
 from celltrain.membrane import reference_coefficients
 
 DEGREE = 6

@@ -11,7 +11,8 @@ from numpy.testing import assert_allclose
 
 from celltrain import Train
 from celltrain.flow.overlaps import overlaps
-from celltrain.harmonics import degrees_and_orders, sphere_grid
+from celltrain.harmonics import degrees_and_orders
+from celltrain.harmonics.grid import sphere_grid
 from celltrain.train import TrainOperator, rates_error, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2

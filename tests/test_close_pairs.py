@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from celltrain.flow.close_pairs import ClosePairs, close_pairs
 from celltrain.flow.overlaps import overlaps
-from celltrain.harmonics import sphere_grid
+from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import reference_coefficients
 from celltrain.parameters import Cell
 from celltrain.parameters.reference_shape import resting_measures

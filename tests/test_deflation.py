@@ -25,8 +25,7 @@ from celltrain.continuation import (
 )
 from celltrain.continuation.deflation import deflated_step, deflation
 from celltrain.continuation.search import SAME, is_a_cell, reversed_shape
-from celltrain.harmonics import coefficient_index
-from celltrain.train import axisymmetric_basis
+from celltrain.harmonics import axisymmetric_basis, coefficient_index
 
 # x^3 = x and y^2 = 4: six roots.
 ROOTS = {(x, y) for x in (-1.0, 0.0, 1.0) for y in (-2.0, 2.0)}

@@ -25,19 +25,19 @@ from celltrain.diagnostics import (
     isotropic_tension,
     wall_distance,
 )
+from celltrain.harmonics import azimuthal_basis
 from celltrain.membrane import (
     ConstitutiveLaw,
     ElasticBending,
-    Membrane,
     NeoHookean,
     Skalak,
-    make_membrane,
     reference_coefficients,
 )
+from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.results import QUANTITIES
 from celltrain.stability import PaperNorm
-from celltrain.train import azimuthal_basis, place_cells
+from celltrain.train import place_cells
 
 DEGREE = 8
 SHEAR, DILATATION, BENDING = 1.3, 19.0, 0.05

@@ -16,11 +16,12 @@ from celltrain.diagnostics import (
     mode_motion,
     perturbation_energy,
 )
-from celltrain.membrane import Membrane
+from celltrain.harmonics import azimuthal_basis
+from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError
 from celltrain.stability import Mode, Stability, TransientMode
 from celltrain.steady import Base
-from celltrain.train import azimuthal_basis, place_cells, train_membrane
+from celltrain.train import place_cells, train_membrane
 
 
 def waves(

@@ -13,7 +13,9 @@ from celltrain import Train
 from celltrain.flow import own_surface_rule
 from celltrain.flow.own_surface import OwnSurfaceRule
 from celltrain.flow.sources import UNFOLD
-from celltrain.harmonics import coefficient_index, harmonic_tables, sphere_grid
+from celltrain.harmonics import coefficient_index
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.tables import harmonic_tables
 from celltrain.train import TrainOperator, resting_shapes, train_operator
 
 DEGREE = 7

@@ -34,8 +34,9 @@ from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.interpolation import interpolated
 from celltrain.evolution.overlap import overlap
 from celltrain.evolution.radius import spectral_radius
+from celltrain.harmonics import azimuthal_basis
 from celltrain.stability import PaperNorm
-from celltrain.train import azimuthal_basis, place_cells
+from celltrain.train import place_cells
 
 DISTANCE = np.sqrt(4 * np.pi)
 

@@ -11,17 +11,23 @@ from scipy.special import sph_harm_y
 
 from celltrain.harmonics import (
     about_pole,
+    axisymmetric_basis,
+    azimuthal_basis,
     coefficient_index,
+    coefficients_of,
+    cylindrical_members,
     degrees_and_orders,
-    harmonic_tables,
+    legendre_tables,
+    member_count,
     polar_nodes,
-    polar_rotation,
-    polar_tables,
+    profile_of,
+    project_meridian,
     real_harmonics,
-    shift_longitude,
-    sphere_grid,
-    unshift_longitude,
 )
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.longitude import shift_longitude, unshift_longitude
+from celltrain.harmonics.polar import polar_rotation, polar_tables
+from celltrain.harmonics.tables import harmonic_tables
 
 DEGREE = 8
 
@@ -187,3 +193,34 @@ def test_unshift_is_the_transpose_of_shift() -> None:
         np.einsum("ack,ack->", functionals, shifted),
         rtol=1e-12,
     )
+
+
+@pytest.mark.parametrize("m", [0, 1, 2, DEGREE - 1, DEGREE])
+def test_members_on_the_meridian_are_those_of_the_basis(m: int) -> None:
+    theta, _ = points(7)
+    phi = 0.4
+    basis = azimuthal_basis(DEGREE, m)
+    assert len(basis) == member_count(DEGREE, m)
+    fields = basis @ real_harmonics(DEGREE, theta, np.full_like(theta, phi)).T
+    along, around, axial = cylindrical_members(legendre_tables(DEGREE, m + 1, theta).value, m)
+    radial = np.cos(phi) * fields[:, 0] + np.sin(phi) * fields[:, 1]
+    turning = np.cos(phi) * fields[:, 1] - np.sin(phi) * fields[:, 0]
+    sine = np.sin(m * phi) if m else 1.0
+    assert_allclose(radial, along * np.cos(m * phi), rtol=0, atol=1e-13)
+    assert_allclose(turning, around * sine, rtol=0, atol=1e-13)
+    assert_allclose(fields[:, 2], axial * np.cos(m * phi), rtol=0, atol=1e-13)
+
+
+def test_profiles_are_axisymmetric_shapes() -> None:
+    profile = np.random.default_rng(3).normal(size=(2, DEGREE))
+    profile[1, 0] = 0.0
+    shape = coefficients_of(profile)
+    assert_allclose(profile_of(shape), profile, rtol=0, atol=1e-15)
+    amounts = np.concatenate([profile[0], profile[1, 1:]])
+    assert_allclose(np.tensordot(amounts, axisymmetric_basis(DEGREE), 1), shape, atol=1e-15)
+
+    def meridian(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x, _, z = shape @ real_harmonics(DEGREE, theta, np.zeros_like(theta)).T
+        return x, z
+
+    assert_allclose(project_meridian(DEGREE, meridian, DEGREE + 2), profile, rtol=0, atol=1e-13)

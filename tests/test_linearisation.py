@@ -7,8 +7,9 @@ from numpy.testing import assert_allclose
 from scipy.optimize import linear_sum_assignment
 
 from celltrain import Base, Stability
+from celltrain.harmonics import azimuthal_basis
 from celltrain.stability import ExactDerivative, FiniteDifference, full_matrix, linear_blocks
-from celltrain.train import azimuthal_basis, place_cells
+from celltrain.train import place_cells
 
 
 @pytest.fixture(scope="module")

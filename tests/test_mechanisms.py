@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability
 from celltrain.diagnostics import MeridionalFlow, meridional_flow, recirculation
+from celltrain.harmonics import azimuthal_basis
 from celltrain.pictures import (
     draw_deformation_spectra,
     draw_growth_without_neighbours,
@@ -21,7 +22,7 @@ from celltrain.stability import (
     growth_without_neighbours,
 )
 from celltrain.stability.neighbours import couplings
-from celltrain.train import azimuthal_basis, meridian
+from celltrain.train import meridian
 
 
 def test_nothing_removed_is_the_train_itself(coarse_stability: Stability) -> None:

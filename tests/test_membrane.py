@@ -10,16 +10,15 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from celltrain.harmonics import sphere_grid
+from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import (
     ConstitutiveLaw,
     ElasticBending,
-    Membrane,
     NeoHookean,
     Skalak,
-    make_membrane,
     reference_coefficients,
 )
+from celltrain.membrane.energy import Membrane, make_membrane
 
 DEGREE = 8
 SHEAR, DILATATION, BENDING = 1.3, 19.0, 0.05

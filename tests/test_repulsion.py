@@ -27,7 +27,7 @@ from celltrain.evolution.dynamics import UNIT_DISPLACEMENT, Dynamics, train_dyna
 from celltrain.evolution.films import FilmForces, film_forces
 from celltrain.evolution.report import run_summary
 from celltrain.evolution.runge_kutta_chebyshev import GAP_SHARE
-from celltrain.harmonics import sphere_grid
+from celltrain.harmonics.grid import sphere_grid
 
 DEGREE = 6
 FAR = 40.0

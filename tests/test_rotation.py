@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from celltrain.harmonics import pole_rotation, real_harmonics, shift_longitude, turn_longitude
+from celltrain.harmonics import real_harmonics
+from celltrain.harmonics.longitude import shift_longitude, turn_longitude
+from celltrain.harmonics.rotation import pole_rotation
 
 PAIRS = 12
 

@@ -8,7 +8,7 @@ import scipy.linalg
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability, Train, stability, steady
-from celltrain.harmonics import degrees_and_orders
+from celltrain.harmonics import azimuthal_basis, degrees_and_orders
 from celltrain.stability import (
     NORMS,
     Norm,
@@ -22,7 +22,6 @@ from celltrain.stability import (
     numerical_abscissa,
 )
 from celltrain.stability.neutral import NeutralSpace
-from celltrain.train import azimuthal_basis
 
 Q, _ = np.linalg.qr(np.random.default_rng(0).normal(size=(12, 12)))
 

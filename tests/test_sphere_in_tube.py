@@ -15,7 +15,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Train
-from celltrain.train import TrainOperator, axisymmetric_basis, resting_shapes, train_operator
+from celltrain.harmonics import axisymmetric_basis
+from celltrain.train import TrainOperator, resting_shapes, train_operator
 
 DEGREE = 12
 BASIS = jnp.asarray(axisymmetric_basis(DEGREE))

@@ -10,10 +10,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Train
+from celltrain.harmonics import axisymmetric_basis, azimuthal_basis
 from celltrain.train import (
     TrainOperator,
-    axisymmetric_basis,
-    azimuthal_basis,
     largest_radius,
     place_cells,
     resting_shapes,

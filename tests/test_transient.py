@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from celltrain import Base, CaseError, Stability
 from celltrain.cli import analyses, main
 from celltrain.cli import transient as command
+from celltrain.harmonics import azimuthal_basis
 from celltrain.pictures import draw_transient_growth
 from celltrain.stability import (
     NORMS,
@@ -32,7 +33,7 @@ from celltrain.stability import (
 from celltrain.stability.neutral import NeutralSpace
 from celltrain.stability.strain_norm import rigid_motions
 from celltrain.stability.transient import growth_peak
-from celltrain.train import azimuthal_basis, train_membrane
+from celltrain.train import train_membrane
 
 COUPLING = 10.0
 JORDAN = np.array([[-1.0, COUPLING], [0.0, -1.0]], dtype=complex)

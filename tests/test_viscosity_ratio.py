@@ -10,15 +10,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Train
+from celltrain.harmonics import azimuthal_basis
 from celltrain.stability import linear_blocks
 from celltrain.steady import Base, steady
-from celltrain.train import (
-    TrainOperator,
-    azimuthal_basis,
-    place_cells,
-    resting_shapes,
-    train_operator,
-)
+from celltrain.train import TrainOperator, place_cells, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2
 TRAIN = Train(

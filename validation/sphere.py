@@ -16,13 +16,8 @@ import numpy as np
 from page import Page, plain_figure
 
 from celltrain import Train
-from celltrain.train import (
-    TrainOperator,
-    axisymmetric_basis,
-    close_distance,
-    resting_shapes,
-    train_operator,
-)
+from celltrain.harmonics import axisymmetric_basis
+from celltrain.train import TrainOperator, close_distance, resting_shapes, train_operator
 
 # Drag factors K1, K2 by the exact series solution, many terms.
 EXPECTED = {0.3: (2.370094890, 2.228976606), 0.5: (5.947374246, 4.995338624)}

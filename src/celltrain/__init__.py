@@ -8,16 +8,25 @@
     result.spectral_abscissa
 
 Lengths are in r0 (radius of the sphere of a cell's volume), velocities in U (mean velocity in the
-tube), viscosities in mu (plasma); so rates are in U/r0. 64-bit floats are switched on for JAX when
-the package is imported.
+tube), viscosities in mu (plasma); so rates are in U/r0. What uses JAX is imported when it is asked
+for; 64-bit floats are then switched on for JAX.
 """
 
-import celltrain.runtime  # noqa: F401  (first: settings of JAX)
-from celltrain.evolution import Run, evolve, resume
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+import celltrain.threads  # noqa: F401  (first: settings of NumPy's libraries)
 from celltrain.parameters import CaseError, Train, load_case, paper_units
-from celltrain.results import load, print_report, save, summary
-from celltrain.stability import Mode, Stability, stability
-from celltrain.steady import Base, NotConverged, fluid_velocity, steady
+
+if TYPE_CHECKING:
+    from celltrain.evolution.evolve import evolve, resume
+    from celltrain.evolution.run import Run
+    from celltrain.results import load, print_report, save
+    from celltrain.results.summary import summary
+    from celltrain.stability import Mode, Stability, stability
+    from celltrain.steady import Base, NotConverged, fluid_velocity, steady
 
 __version__ = "0.1.0"
 
@@ -41,3 +50,36 @@ __all__ = [
     "steady",
     "summary",
 ]
+
+_LATER = {
+    "evolution": ("Run", "evolve", "resume"),
+    "results": ("load", "print_report", "save", "summary"),
+    "stability": ("Mode", "Stability", "stability"),
+    "steady": ("Base", "NotConverged", "fluid_velocity", "steady"),
+}
+_OWNERS = {name: owner for owner, names in _LATER.items() for name in names}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _OWNERS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_OWNERS[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+class _Package(ModuleType):
+    """In which `steady` and `stability` are the functions, also once their modules are loaded."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        # An import of the module sets it as the package's attribute.
+        if isinstance(value, ModuleType) and _OWNERS.get(name) == name:
+            value = getattr(value, name)
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

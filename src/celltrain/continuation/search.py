@@ -23,13 +23,13 @@ from jaxtyping import Float
 from celltrain.continuation.arclength import Evaluation, NoSolution, Problem, Unknowns
 from celltrain.continuation.deflation import Tries, deflated_newton
 from celltrain.continuation.equations import evaluate_steady, to_unknowns
-from celltrain.harmonics import coefficient_index, degrees_and_orders
+from celltrain.harmonics import axisymmetric_basis, coefficient_index, degrees_and_orders
 from celltrain.parameters import CaseError, Train
 from celltrain.stability import stability
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.steady.solve import comes_close
 from celltrain.steady.system import SteadySystem, steady_system
-from celltrain.train import axisymmetric_basis, meridian, resting_shapes
+from celltrain.train import meridian, resting_shapes
 
 #: Tries unless told otherwise: one for each guess, and some for what is found.
 MOST_TRIES = 16

@@ -19,7 +19,8 @@ from jaxtyping import Array, Float, Int
 from scipy.spatial import cKDTree
 
 from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
-from celltrain.harmonics import real_harmonics, sphere_grid, unit_vectors
+from celltrain.harmonics import real_harmonics, unit_vectors
+from celltrain.harmonics.grid import sphere_grid
 
 # Patches, each finer than the last one by this factor; nodes of one from its middle to its edge.
 LEVELS = 10

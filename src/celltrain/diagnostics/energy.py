@@ -8,8 +8,6 @@ by default Eb/2 tr((kappa - kappa_ref)^2) for each area at rest. Eq. (23) writes
 differences of the principal curvatures.
 """
 
-import dataclasses
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -17,13 +15,13 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.diagnostics.spectrum import disturbance_amplitude
-from celltrain.membrane import Membrane
-from celltrain.membrane.laws import ConstitutiveLaw
+from celltrain.membrane import with_moduli
+from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError
 from celltrain.steady import Base
 from celltrain.train import train_membrane
 
-#: The parts of the energy, and the modulus of the membrane or its law that each belongs to.
+#: The parts of the energy, and the modulus of the membrane that each belongs to.
 ENERGY_PARTS = {
     "shear": "shear_modulus",
     "dilatation": "dilatation_modulus",
@@ -46,17 +44,12 @@ def energy_parts(membrane: Membrane, shape: Float[Array, "3 coefficient"]) -> Fl
 
 def _with_only(membrane: Membrane, modulus: str) -> Membrane:
     """The membrane without its moduli but one."""
-    law = membrane.law
-    others = [name for name in _moduli(law) if name != modulus]
-    if others:
-        kept = [jnp.zeros(()) for _ in others]
-        law = eqx.tree_at(lambda each: [getattr(each, name) for name in others], law, kept)
-    bending = membrane.bending.modulus if modulus == "bending_modulus" else jnp.zeros(())
-    return eqx.tree_at(lambda each: (each.law, each.bending.modulus), membrane, (law, bending))
-
-
-def _moduli(law: ConstitutiveLaw) -> list[str]:
-    return [field.name for field in dataclasses.fields(law)]
+    none = {name: jnp.zeros(()) for name in ENERGY_PARTS.values() if name != modulus}
+    return eqx.tree_at(
+        lambda each: (each.law, each.bending),
+        membrane,
+        (with_moduli(membrane.law, none), with_moduli(membrane.bending, none)),
+    )
 
 
 def perturbation_energy(

@@ -5,7 +5,7 @@ import jax
 from jaxtyping import Array, Float
 
 from celltrain.diagnostics.tension import isotropic_tension
-from celltrain.membrane import Membrane
+from celltrain.membrane.energy import Membrane
 
 
 class SurfaceFields(eqx.Module):

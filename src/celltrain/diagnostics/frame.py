@@ -15,7 +15,7 @@ from celltrain.diagnostics.moments import cell_moments
 from celltrain.diagnostics.quantities import FRAME_QUANTITIES
 from celltrain.diagnostics.rotation import cell_motion
 from celltrain.diagnostics.spectrum import deformation_spectrum
-from celltrain.membrane import Membrane
+from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.train import train_membrane
 

@@ -10,9 +10,10 @@ from jaxtyping import Array, Complex, Float
 
 from celltrain.diagnostics.rotation import cell_motion
 from celltrain.diagnostics.spectrum import disturbance_amplitude
-from celltrain.membrane import Membrane
+from celltrain.harmonics import azimuthal_basis
+from celltrain.membrane.energy import Membrane
 from celltrain.stability import Mode, Stability, TransientMode
-from celltrain.train import azimuthal_basis, train_membrane
+from celltrain.train import train_membrane
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.membrane import Membrane, surface_geometry
+from celltrain.membrane.energy import Membrane
+from celltrain.membrane.geometry import surface_geometry
 
 
 class CellMoments(eqx.Module):

@@ -27,7 +27,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from celltrain.diagnostics.moments import CellMoments, cell_moments, surface_elements
-from celltrain.membrane import Membrane
+from celltrain.membrane.energy import Membrane
 
 #: Difference of two eigenvalues, over the sum of all three, below which they count as equal: axes
 #: that differ in length by less than some tenths of a percent.

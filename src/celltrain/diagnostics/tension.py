@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from celltrain.membrane import Membrane, surface_geometry
+from celltrain.membrane.energy import Membrane
 
 
 def isotropic_tension(
@@ -19,10 +19,10 @@ def isotropic_tension(
 
     subscripts of W being derivatives (*Barthes-Biesel, Diaz & Dhenin 2002*). Bending adds nothing.
     """
-    first, second = membrane.invariants(surface_geometry(membrane.tables, shape))
+    first, second = membrane.invariants(shape)
 
     def energy(first: Float[Array, ""], second: Float[Array, ""]) -> Float[Array, ""]:
-        return membrane.law.energy_density(first[None], second[None])[0]
+        return membrane.law.energy_density(first, second)
 
     by_first, by_second = jax.vmap(jax.grad(energy, argnums=(0, 1)))(first, second)
     return ((first + 2.0) * by_first + 2.0 * (second + 1.0) * by_second) / jnp.sqrt(second + 1.0)

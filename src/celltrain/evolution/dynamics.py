@@ -14,7 +14,7 @@ from jaxtyping import Array, Float, Int
 
 from celltrain.evolution.films import FilmForces, Films, film_forces
 from celltrain.evolution.repulsion import Repulsion
-from celltrain.membrane import surface_geometry
+from celltrain.membrane.geometry import surface_geometry
 from celltrain.stability import paper_weights
 from celltrain.steady import Base
 from celltrain.train import TrainOperator, place_cells, train_operator

@@ -16,7 +16,9 @@ from jaxtyping import Array, Bool, Float, Int
 from scipy.spatial import cKDTree
 
 from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
-from celltrain.harmonics import harmonic_tables, real_harmonics, sphere_grid, unit_vectors
+from celltrain.harmonics import real_harmonics, unit_vectors
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.tables import harmonic_tables
 
 Shapes = Float[np.ndarray, "cell 3 coefficient"]
 Points = Float[np.ndarray, "point 3"]

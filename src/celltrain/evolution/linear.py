@@ -7,9 +7,8 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Complex, Float
 
-from celltrain.harmonics import degrees_and_orders
+from celltrain.harmonics import azimuthal_basis, degrees_and_orders
 from celltrain.stability import Stability, paper_weights
-from celltrain.train import azimuthal_basis
 
 # Part of a disturbance's square norm that may lie outside the azimuthal numbers that are known.
 NEGLIGIBLE = 1e-9

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.flow.overlaps import overlaps
-from celltrain.harmonics import sphere_grid
+from celltrain.harmonics.grid import sphere_grid
 from celltrain.parameters import Train
 
 Shapes = Float[np.ndarray, "cell 3 coefficient"]

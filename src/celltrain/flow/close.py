@@ -26,7 +26,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
 from celltrain.flow.polar import PolarRule, density_rows, polar_velocity
-from celltrain.harmonics import PolarTables, polar_tables
+from celltrain.harmonics.polar import PolarTables, polar_tables
 
 CHUNK = 16
 NEAREST_CHUNK = 64

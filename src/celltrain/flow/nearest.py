@@ -14,7 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from celltrain.harmonics import PoleRotation, degrees_and_orders, pole_rotation
+from celltrain.harmonics import degrees_and_orders
+from celltrain.harmonics.rotation import PoleRotation, pole_rotation
 
 MAX_ITERATIONS = 30
 LONGEST_STEP = 0.3

@@ -10,7 +10,8 @@ from jaxtyping import Array, Float
 from scipy.spatial import KDTree
 
 from celltrain.flow.nearest import NearestPoint, nearest_point
-from celltrain.harmonics import harmonic_tables, sphere_grid
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.tables import harmonic_tables
 
 BATCH = 128
 

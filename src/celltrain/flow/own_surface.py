@@ -17,14 +17,9 @@ from jaxtyping import Array, Float
 from celltrain.flow.ewald import near_stress_scalars
 from celltrain.flow.force_sums import force_sums
 from celltrain.flow.sources import SYMMETRIC
-from celltrain.harmonics import (
-    PolarTables,
-    polar_nodes,
-    polar_rotation,
-    polar_tables,
-    shift_longitude,
-    unshift_longitude,
-)
+from celltrain.harmonics import polar_nodes
+from celltrain.harmonics.longitude import shift_longitude, unshift_longitude
+from celltrain.harmonics.polar import PolarTables, polar_rotation, polar_tables
 
 # Degrees that see the difference of the near kernel and that in free space: it is smooth.
 SMOOTH_DEGREE = 6

@@ -22,7 +22,8 @@ from jaxtyping import Array, Float
 from celltrain.flow.ewald import near_scalars, near_stress_scalars
 from celltrain.flow.force_sums import force_sums
 from celltrain.flow.sources import SYMMETRIC, UNFOLD
-from celltrain.harmonics import PolarTables, PoleRotation
+from celltrain.harmonics.polar import PolarTables
+from celltrain.harmonics.rotation import PoleRotation
 
 Vector = list[Array]
 Channels = Float[Array, "pair 3 coefficient"]

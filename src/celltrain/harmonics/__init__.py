@@ -1,41 +1,36 @@
-"""Real orthonormal spherical harmonics, their grids and rotations."""
+"""Real orthonormal spherical harmonics, their grids and rotations.
 
-from celltrain.harmonics.basis import (
-    HarmonicTables,
-    coefficient_index,
-    degrees_and_orders,
-    harmonic_tables,
-    real_harmonics,
-    shift_longitude,
-    unshift_longitude,
-)
-from celltrain.harmonics.grid import SphereGrid, sphere_grid, unit_vectors
-from celltrain.harmonics.polar import (
-    PolarTables,
-    about_pole,
-    polar_nodes,
-    polar_rotation,
-    polar_tables,
-)
-from celltrain.harmonics.rotation import PoleRotation, pole_rotation, turn_longitude
+What is here needs NumPy only. The parts for JAX are modules of their own: `tables` and `grid` (the
+harmonics at fixed points), `longitude`, `rotation` and `polar` (functions turned, and seen from
+other poles).
+"""
+
+from celltrain.harmonics.azimuthal import azimuthal_weight, cylindrical_members, member_count
+from celltrain.harmonics.basis import coefficient_index, degrees_and_orders, real_harmonics
+from celltrain.harmonics.families import axisymmetric_basis, azimuthal_basis, azimuthal_families
+from celltrain.harmonics.legendre import LegendreTables, legendre_functions, legendre_tables
+from celltrain.harmonics.nodes import about_pole, gauss_colatitudes, polar_nodes, unit_vectors
+from celltrain.harmonics.profile import Profile, coefficients_of, profile_of, project_meridian
 
 __all__ = [
-    "HarmonicTables",
-    "PolarTables",
-    "PoleRotation",
-    "SphereGrid",
+    "LegendreTables",
+    "Profile",
     "about_pole",
+    "axisymmetric_basis",
+    "azimuthal_basis",
+    "azimuthal_families",
+    "azimuthal_weight",
     "coefficient_index",
+    "coefficients_of",
+    "cylindrical_members",
     "degrees_and_orders",
-    "harmonic_tables",
+    "gauss_colatitudes",
+    "legendre_functions",
+    "legendre_tables",
+    "member_count",
     "polar_nodes",
-    "polar_rotation",
-    "polar_tables",
-    "pole_rotation",
+    "profile_of",
+    "project_meridian",
     "real_harmonics",
-    "shift_longitude",
-    "sphere_grid",
-    "turn_longitude",
     "unit_vectors",
-    "unshift_longitude",
 ]

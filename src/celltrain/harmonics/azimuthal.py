@@ -6,7 +6,7 @@ A field of azimuthal number m has the cylindrical components
 
 (for m = 0 the swirl is u_phi = Phi), the real part of u exp(i m phi) with u_r = R, u_phi = -i Phi,
 u_z = Z. Then u_x +- i u_y has the orders m +- 1 with the amplitudes R +- Phi, so the members of
-`azimuthal_basis`, in its order, are
+`families.azimuthal_basis`, in its order, are
 
     axial  (n = m, ...):       Z = sqrt(2) P_nm          (P_n0 for m = 0),
     plus   (n = m + 1, ...):   R = Phi = P_n,m+1         (m = 0: R alone, n = 1, ...),

@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 
 import celltrain.runtime  # noqa: F401
 from celltrain.harmonics.basis import real_harmonics
+from celltrain.harmonics.nodes import gauss_colatitudes
 
 
 class SphereGrid(eqx.Module):
@@ -34,18 +35,9 @@ class SphereGrid(eqx.Module):
         return theta.ravel(), phi.ravel()
 
 
-def unit_vectors(
-    theta: float | Float[np.ndarray, " *point"], phi: float | Float[np.ndarray, " *point"]
-) -> Float[np.ndarray, "*point 3"]:
-    """Points of the unit sphere at colatitudes and longitudes."""
-    sine = np.sin(theta)
-    return np.stack([sine * np.cos(phi), sine * np.sin(phi), np.cos(theta)], axis=-1)
-
-
 def sphere_grid(degree: int, order: int) -> SphereGrid:
     """Grid of `order` rings with 2 * order azimuths, with the harmonics below `degree`."""
-    nodes, gauss = np.polynomial.legendre.leggauss(order)
-    theta = np.arccos(nodes)[::-1].copy()
+    theta, gauss = gauss_colatitudes(order)
     phi = np.arange(2 * order) * np.pi / order
     all_theta, all_phi = np.repeat(theta, 2 * order), np.tile(phi, order)
     return SphereGrid(
@@ -53,6 +45,6 @@ def sphere_grid(degree: int, order: int) -> SphereGrid:
         azimuths=2 * order,
         theta=jnp.asarray(theta),
         phi=jnp.asarray(phi),
-        weights=jnp.asarray(np.repeat(gauss[::-1], 2 * order) * np.pi / order),
+        weights=jnp.asarray(np.repeat(gauss, 2 * order) * np.pi / order),
         values=jnp.asarray(real_harmonics(degree, all_theta, all_phi)),
     )

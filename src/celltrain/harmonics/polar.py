@@ -14,34 +14,19 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from celltrain.harmonics.basis import (
-    coefficient_index,
-    degrees_and_orders,
-    harmonic_tables,
-    real_harmonics,
-)
-
-
-def about_pole(
-    theta: float, alpha: Float[np.ndarray, " *point"], beta: Float[np.ndarray, " *point"]
-) -> tuple[Float[np.ndarray, " *point"], Float[np.ndarray, " *point"]]:
-    """Colatitude and longitude of points at the angle alpha from (theta, phi = 0).
-
-    beta = 0 points away from the north pole, along phi = 0.
-    """
-    across, along, up = np.sin(alpha) * np.cos(beta), np.sin(alpha) * np.sin(beta), np.cos(alpha)
-    x = np.cos(theta) * across + np.sin(theta) * up
-    z = np.cos(theta) * up - np.sin(theta) * across
-    return np.arctan2(np.hypot(x, along), z), np.arctan2(along, x)
+import celltrain.runtime  # noqa: F401
+from celltrain.harmonics.basis import degrees_and_orders, real_harmonics
+from celltrain.harmonics.legendre import legendre_tables
+from celltrain.harmonics.nodes import about_pole, gauss_colatitudes
 
 
 # Every operator of a degree needs the same few.
 @lru_cache(maxsize=256)
 def polar_rotation(degree: int, theta: float) -> Float[np.ndarray, "coefficient coefficient"]:
     """Matrix from coefficients to those in the frame with its pole at (theta, phi = 0)."""
-    nodes, gauss = np.polynomial.legendre.leggauss(degree)
+    alpha, gauss = gauss_colatitudes(degree)
     beta = np.arange(2 * degree) * np.pi / degree
-    all_alpha, all_beta = np.repeat(np.arccos(nodes), 2 * degree), np.tile(beta, degree)
+    all_alpha, all_beta = np.repeat(alpha, 2 * degree), np.tile(beta, degree)
     weights = np.repeat(gauss, 2 * degree) * np.pi / degree
     here = real_harmonics(degree, all_alpha, all_beta)
     there = real_harmonics(degree, *about_pole(theta, all_alpha, all_beta))
@@ -106,50 +91,23 @@ def polar_tables(
     """Tables for the product grid of the given polar angles, none of them 0 or pi."""
     orders = np.arange(1 - degree, degree)
     n, m = degrees_and_orders(degree)
-    on_meridian = harmonic_tables(degree, alpha, np.zeros_like(alpha))
-    value, slope = np.asarray(on_meridian.value), np.asarray(on_meridian.d_theta)
-    place = np.zeros((orders.size, degree), dtype=int)
-    latitude, latitude_slope = np.zeros((2, orders.size, alpha.size, degree))
+    legendre = legendre_tables(degree, degree - 1, alpha)
+    by_order = np.abs(orders)
+    degrees = np.arange(degree)
+    inside = degrees >= by_order[:, None]
+    place = np.where(inside, degrees * degrees + degrees + orders[:, None], 0)
     back = (m + degree - 1) * degree + n
-    for row, order in enumerate(orders):
-        for each in range(abs(order), degree):
-            place[row, each] = coefficient_index(each, int(order))
-            # On the meridian the cosines are sqrt(2) (1 for order 0) and the sines vanish.
-            twin = coefficient_index(each, abs(int(order)))
-            scale = math.sqrt(0.5) if order else 1.0
-            latitude[row, :, each] = value[:, twin] * scale
-            latitude_slope[row, :, each] = slope[:, twin] * scale
     size = np.where(orders == 0, 1.0, math.sqrt(2.0))[:, None]
-    turn = np.abs(orders)[:, None] * beta
+    turn = by_order[:, None] * beta
     sine = (orders < 0)[:, None]
     return PolarTables(
         place=jnp.asarray(place),
         back=jnp.asarray(back),
-        latitude=jnp.asarray(latitude),
-        latitude_slope=jnp.asarray(latitude_slope),
+        latitude=jnp.asarray(legendre.value[by_order].transpose(0, 2, 1)),
+        latitude_slope=jnp.asarray(legendre.slope[by_order].transpose(0, 2, 1)),
         longitude=jnp.asarray(size * np.where(sine, np.sin(turn), np.cos(turn))),
         longitude_slope=jnp.asarray(
-            size * np.abs(orders)[:, None] * np.where(sine, np.cos(turn), -np.sin(turn))
+            size * by_order[:, None] * np.where(sine, np.cos(turn), -np.sin(turn))
         ),
         inverse_sine=jnp.asarray(1.0 / np.sin(alpha)),
     )
-
-
-def polar_nodes(
-    radial: int, azimuthal: int
-) -> tuple[
-    Float[np.ndarray, " radial"],
-    Float[np.ndarray, " azimuthal"],
-    Float[np.ndarray, "radial azimuthal"],
-]:
-    """Polar angles about a point and weights of solid angle.
-
-    The area element sin(alpha) dalpha dbeta cancels a singularity 1/alpha: Gauss-Legendre in alpha,
-    uniform in beta (half a step off the plane of symmetry, so that the rule is symmetric and no
-    node repeats).
-    """
-    nodes, gauss = np.polynomial.legendre.leggauss(radial)
-    alpha = 0.5 * np.pi * (nodes + 1.0)
-    beta = (np.arange(azimuthal) + 0.5) * 2.0 * np.pi / azimuthal
-    weights = (0.5 * np.pi * gauss * np.sin(alpha))[:, None] * (2.0 * np.pi / azimuthal)
-    return alpha, beta, np.repeat(weights, azimuthal, axis=1)

@@ -7,23 +7,15 @@ longitude and one constant matrix, which does not mix degrees, and its transpose
 angles, traced ones and poles included, cost matrix products only, and nothing is approximated.
 """
 
-import math
-
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.harmonics.basis import degrees_and_orders, partners, real_harmonics, turns
-from celltrain.harmonics.grid import sphere_grid, unit_vectors
-
-
-def turn_longitude(
-    coefficients: Float[Array, "pair channel coefficient"], angles: Float[Array, " pair"]
-) -> Float[Array, "pair channel coefficient"]:
-    """Coefficients of x(theta, phi + angle), an angle for each pair."""
-    cosine, sine = turns(angles, math.isqrt(coefficients.shape[-1]))
-    return cosine[:, None] * coefficients + sine[:, None] * partners(coefficients)
+from celltrain.harmonics.basis import degrees_and_orders, real_harmonics
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.longitude import turn_longitude
+from celltrain.harmonics.nodes import unit_vectors
 
 
 class PoleRotation(eqx.Module):

@@ -1,34 +1,39 @@
-"""The cell membrane: reference shapes, metric and curvature, elastic energy and its force."""
+"""The cell membrane: its laws, its energy and force, and the shapes at rest.
 
-from celltrain.membrane.bending import (
-    BendingLaw,
-    ElasticBending,
-    HelfrichBending,
-    make_bending,
+What is here needs NumPy and SciPy only, and serves axisymmetric cells. The membrane of a cell of
+any shape, in JAX, is in `energy`, its surface in `geometry`; both are modules to import by name.
+"""
+
+from celltrain.membrane.axisymmetric import (
+    AxisymmetricMembrane,
+    axisymmetric_membrane,
+    train_membrane,
 )
-from celltrain.membrane.energy import Membrane, make_membrane
+from celltrain.membrane.bending import BENDINGS, BendingLaw, ElasticBending, HelfrichBending
 from celltrain.membrane.equilibrium import healthy_reduced_volume, relaxed_slope
-from celltrain.membrane.geometry import SurfaceGeometry, surface_geometry, volume
-from celltrain.membrane.laws import ConstitutiveLaw, NeoHookean, Skalak, make_law
+from celltrain.membrane.forms import PointwiseEnergy
+from celltrain.membrane.laws import LAWS, ConstitutiveLaw, NeoHookean, Skalak
+from celltrain.membrane.material import cell_material, with_moduli
 from celltrain.membrane.reference import reference_coefficients
 from celltrain.membrane.resting import resting_shape
 
 __all__ = [
+    "BENDINGS",
+    "LAWS",
+    "AxisymmetricMembrane",
     "BendingLaw",
     "ConstitutiveLaw",
     "ElasticBending",
     "HelfrichBending",
-    "Membrane",
     "NeoHookean",
+    "PointwiseEnergy",
     "Skalak",
-    "SurfaceGeometry",
+    "axisymmetric_membrane",
+    "cell_material",
     "healthy_reduced_volume",
-    "make_bending",
-    "make_law",
-    "make_membrane",
     "reference_coefficients",
     "relaxed_slope",
     "resting_shape",
-    "surface_geometry",
-    "volume",
+    "train_membrane",
+    "with_moduli",
 ]

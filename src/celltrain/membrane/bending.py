@@ -4,52 +4,53 @@ Curvatures are mixed tensors kappa = a^-1 b with b_ij = n . x_ij and n outward, 
 radius R has kappa = -1/R and the mean curvature H = -tr(kappa)/2 = 1/R.
 """
 
-import abc
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
 
-import equinox as eqx
-import jax.numpy as jnp
-from jaxtyping import Array, Float
+from celltrain.membrane.arithmetic import Number
 
-#: Components 11, 12, 21, 22 of a mixed tensor at the points of a grid.
-Mixed = tuple[
-    Float[Array, " point"], Float[Array, " point"], Float[Array, " point"], Float[Array, " point"]
-]
+#: Components 11, 12, 21, 22 of a mixed tensor.
+Mixed: TypeAlias = tuple[Number, Number, Number, Number]
 
 
-class BendingLaw(eqx.Module):
-    """Bending energy of a membrane; it is proportional to the field `modulus`."""
+class BendingLaw(Protocol):
+    """Bending energy of a membrane: a dataclass with the names of `parameters.Cell`.
 
-    modulus: eqx.AbstractVar[Float[Array, ""]]
+    The energy is proportional to `bending_modulus`, Eb in mu U r0^2.
+    """
 
-    @abc.abstractmethod
-    def energy_density(
-        self, now: Mixed, rest: Mixed, dilatation: Float[Array, " point"]
-    ) -> Float[Array, " point"]:
+    @property
+    def bending_modulus(self) -> Number:
+        """The modulus Eb."""
+        ...
+
+    def energy_density(self, now: Mixed, rest: Mixed, dilatation: Number) -> Number:
         """Energy per reference area, in mu U.
 
         **Arguments:** curvature of the deformed surface and of the resting one, in 1/r0;
         `dilatation`: deformed over reference area.
         """
+        ...
 
 
-class ElasticBending(BendingLaw):
+@dataclass(frozen=True)
+class ElasticBending:
     """Linear isotropic bending about the resting shape, Eq. (2) of Bryngelson & Freund (2018).
 
     Eb/2 tr((kappa - kappa_ref)^2) for each reference area; nothing at rest.
     """
 
-    modulus: Float[Array, ""]
+    bending_modulus: Number
 
-    def energy_density(
-        self, now: Mixed, rest: Mixed, dilatation: Float[Array, " point"]
-    ) -> Float[Array, " point"]:
+    def energy_density(self, now: Mixed, rest: Mixed, dilatation: Number) -> Number:
         """See `BendingLaw`."""
         del dilatation
         k11, k12, k21, k22 = (a - b for a, b in zip(now, rest, strict=True))
-        return 0.5 * self.modulus * (k11**2 + 2.0 * k12 * k21 + k22**2)
+        return 0.5 * self.bending_modulus * (k11**2 + 2.0 * (k12 * k21) + k22**2)
 
 
-class HelfrichBending(BendingLaw):
+@dataclass(frozen=True)
+class HelfrichBending:
     """A fluid membrane's bending energy (Helfrich 1973), which knows no resting shape.
 
     Eb/2 (2H - c0)^2 for each area of the deformed surface: 8 pi Eb for any sphere if the
@@ -57,28 +58,16 @@ class HelfrichBending(BendingLaw):
     membrane that is flat at rest and keeps its area locally, plus 4 pi Eb, which is Eb int K dA.
     """
 
-    modulus: Float[Array, ""]
-    spontaneous_curvature: Float[Array, ""]
+    bending_modulus: Number
+    spontaneous_curvature: Number
 
-    def energy_density(
-        self, now: Mixed, rest: Mixed, dilatation: Float[Array, " point"]
-    ) -> Float[Array, " point"]:
+    def energy_density(self, now: Mixed, rest: Mixed, dilatation: Number) -> Number:
         """See `BendingLaw`."""
         del rest
         k11, _, _, k22 = now
         mean = -(k11 + k22)
-        return 0.5 * self.modulus * (mean - self.spontaneous_curvature) ** 2 * dilatation
+        return 0.5 * self.bending_modulus * (mean - self.spontaneous_curvature) ** 2 * dilatation
 
 
-def make_bending(
-    name: str,
-    modulus: float | Float[Array, ""],
-    spontaneous_curvature: float | Float[Array, ""] = 0.0,
-) -> BendingLaw:
-    """The bending energy of the given name; `KeyError` if there is none."""
-    eb = jnp.asarray(modulus, dtype=float)
-    laws = {
-        "elastic": lambda: ElasticBending(eb),
-        "helfrich": lambda: HelfrichBending(eb, jnp.asarray(spontaneous_curvature, dtype=float)),
-    }
-    return laws[name]()
+#: The bending energies by their names in a case.
+BENDINGS = {"elastic": ElasticBending, "helfrich": HelfrichBending}

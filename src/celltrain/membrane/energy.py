@@ -1,13 +1,16 @@
-"""Elastic energy of a cell and the force that its membrane exerts on the fluid.
+"""Elastic energy of a cell of any shape, and the force that its membrane exerts, in JAX.
 
     E = int [ W(I1, I2) + B(kappa, kappa_ref) ] dA_ref,   kappa = a^-1 b,
 
-with W that of a constitutive law (`laws`) and B that of bending (`bending`).
+with W that of a constitutive law (`laws`) and B that of bending (`bending`), put together in
+`density`.
 
 The force per unit of solid angle has the harmonic coefficients F_c = -dE/ds_c exactly, because the
 harmonics are orthonormal. No surface Jacobian and no third derivative appears, and the net force
 and torque vanish because E is invariant under rigid motions.
 """
+
+from typing import TypeVar
 
 import equinox as eqx
 import jax
@@ -15,23 +18,19 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.harmonics import HarmonicTables, harmonic_tables, sphere_grid
-from celltrain.membrane.bending import BendingLaw, Mixed
-from celltrain.membrane.geometry import SurfaceGeometry, surface_geometry, volume
-from celltrain.membrane.laws import ConstitutiveLaw
+import celltrain.runtime  # noqa: F401
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.tables import HarmonicTables, harmonic_tables
+from celltrain.membrane.bending import BENDINGS, BendingLaw
+from celltrain.membrane.density import RestGeometry, energy_density, invariants, rest_geometry
+from celltrain.membrane.geometry import surface_forms, volume
+from celltrain.membrane.laws import LAWS, ConstitutiveLaw
 
+# Their moduli are leaves: other values compile nothing anew, and derivatives by them exist.
+for _kind in (*LAWS.values(), *BENDINGS.values()):
+    jax.tree_util.register_dataclass(_kind)
 
-def _mixed(metric: tuple[Array, Array, Array], form: tuple[Array, Array, Array]) -> Mixed:
-    """Components (11, 12, 21, 22) of metric^-1 form for symmetric 2 x 2 tensors."""
-    a, b, c = metric
-    p, q, r = form
-    determinant = a * c - b * b
-    return (
-        (c * p - b * q) / determinant,
-        (c * q - b * r) / determinant,
-        (a * q - b * p) / determinant,
-        (a * r - b * q) / determinant,
-    )
+_Law = TypeVar("_Law", ConstitutiveLaw, BendingLaw)
 
 
 class Membrane(eqx.Module):
@@ -46,25 +45,20 @@ class Membrane(eqx.Module):
     tables: HarmonicTables
     weights: Float[Array, " point"]
     inverse_sine: Float[Array, " point"]
-    reference: SurfaceGeometry
+    reference: RestGeometry
     reference_shape: Float[Array, "3 coefficient"]
 
     def energy(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, ""]:
         """Elastic energy of one cell, in mu U r0^2."""
-        deformed = surface_geometry(self.tables, coefficients)
-        in_plane = self.law.energy_density(*self.invariants(deformed))
-        now = _mixed(deformed.metric, deformed.curvature)
-        rest = _mixed(self.reference.metric, self.reference.curvature)
-        bending = self.bending.energy_density(now, rest, deformed.area / self.reference.area)
-        area = self.reference.area * self.inverse_sine * self.weights
-        return jnp.sum((in_plane + bending) * area)
+        forms = surface_forms(self.tables, coefficients)
+        density = energy_density(self.law, self.bending, forms, self.reference)
+        return jnp.sum(density * self.reference.area * self.inverse_sine * self.weights)
 
     def invariants(
-        self, deformed: SurfaceGeometry
+        self, coefficients: Float[Array, "3 coefficient"]
     ) -> tuple[Float[Array, " point"], Float[Array, " point"]]:
-        """Strain invariants I1 = tr(C) - 2 and I2 = det(C) - 1 of a surface on the grid."""
-        c11, c12, c21, c22 = _mixed(self.reference.metric, deformed.metric)
-        return c11 + c22 - 2.0, c11 * c22 - c12 * c21 - 1.0
+        """Strain invariants I1 = tr(C) - 2 and I2 = det(C) - 1 of a shape, on the grid."""
+        return invariants(surface_forms(self.tables, coefficients), self.reference)
 
     def force(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, "3 coefficient"]:
         """Coefficients of the force per solid angle on the fluid, F = -dE/ds, in mu U r0."""
@@ -79,6 +73,14 @@ class Membrane(eqx.Module):
     ) -> Float[Array, "3 coefficient"]:
         """dV/ds: the coefficients of n dS/dOmega, in r0^2."""
         return jax.grad(self.volume)(coefficients)
+
+    def at_rest_in(self, shape: Float[Array, "3 coefficient"]) -> "Membrane":
+        """The same membrane with another resting shape."""
+        return eqx.tree_at(
+            lambda each: (each.reference, each.reference_shape),
+            self,
+            (_rest_geometry(self.tables, shape), shape),
+        )
 
 
 def make_membrane(
@@ -97,12 +99,22 @@ def make_membrane(
     grid = sphere_grid(1, energy_order)
     theta, phi = grid.points()
     tables = harmonic_tables(degree, theta, phi)
+    shape = jnp.asarray(reference_shape)
     return Membrane(
-        law=law,
-        bending=bending,
+        law=_traceable(law),
+        bending=_traceable(bending),
         tables=tables,
         weights=grid.weights,
         inverse_sine=jnp.asarray(1.0 / np.sin(theta)),
-        reference=eqx.filter_jit(surface_geometry)(tables, jnp.asarray(reference_shape)),
-        reference_shape=jnp.asarray(reference_shape),
+        reference=eqx.filter_jit(_rest_geometry)(tables, shape),
+        reference_shape=shape,
     )
+
+
+def _rest_geometry(tables: HarmonicTables, shape: Float[Array, "3 coefficient"]) -> RestGeometry:
+    return rest_geometry(surface_forms(tables, shape))
+
+
+def _traceable(law: _Law) -> _Law:
+    """With arrays for moduli."""
+    return jax.tree.map(lambda modulus: jnp.asarray(modulus, dtype=float), law)

@@ -1,54 +1,44 @@
-"""Differential geometry of a surface given by harmonic coefficients."""
+"""Surfaces given by harmonic coefficients, in JAX: derivatives, normals, areas, volumes."""
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from celltrain.harmonics import HarmonicTables
+from celltrain.harmonics.tables import HarmonicTables
+from celltrain.membrane.density import Forms
+from celltrain.membrane.forms import fundamental_forms
 
 
 class SurfaceGeometry(eqx.Module):
-    """Fundamental forms at the points of a grid, in the coordinates (theta, phi).
+    """Position, outward normal and area element at the points of a grid.
 
-    `metric` a_ij = x_i . x_j; `curvature` b_ij = n . x_ij; `normal` is outward; `area` is
-    sqrt(det a) = dS/(dtheta dphi).
+    `area` is |x_theta x x_phi| = dS/(dtheta dphi).
     """
 
     position: Float[Array, "point 3"]
     normal: Float[Array, "point 3"]
     area: Float[Array, " point"]
-    metric: tuple[Float[Array, " point"], Float[Array, " point"], Float[Array, " point"]]
-    curvature: tuple[Float[Array, " point"], Float[Array, " point"], Float[Array, " point"]]
 
 
 def surface_geometry(
     tables: HarmonicTables, coefficients: Float[Array, "3 coefficient"]
 ) -> SurfaceGeometry:
-    """Fundamental forms (theta-theta, theta-phi, phi-phi) of x = sum_c s_c Y_c."""
-    x_theta = tables.d_theta @ coefficients.T
-    x_phi = tables.d_phi @ coefficients.T
-    cross = jnp.cross(x_theta, x_phi)
+    """Geometry of x = sum_c s_c Y_c."""
+    cross = jnp.cross(tables.d_theta @ coefficients.T, tables.d_phi @ coefficients.T)
     area = jnp.sqrt(jnp.sum(cross * cross, axis=-1))
-    normal = cross / area[:, None]
+    return SurfaceGeometry(tables.value @ coefficients.T, cross / area[:, None], area)
 
-    def along_normal(table: Float[Array, "point coefficient"]) -> Float[Array, " point"]:
-        return jnp.sum((table @ coefficients.T) * normal, axis=-1)
 
-    return SurfaceGeometry(
-        position=tables.value @ coefficients.T,
-        normal=normal,
-        area=area,
-        metric=(
-            jnp.sum(x_theta * x_theta, axis=-1),
-            jnp.sum(x_theta * x_phi, axis=-1),
-            jnp.sum(x_phi * x_phi, axis=-1),
-        ),
-        curvature=(
-            along_normal(tables.d_theta_theta),
-            along_normal(tables.d_theta_phi),
-            along_normal(tables.d_phi_phi),
-        ),
+def surface_forms(tables: HarmonicTables, coefficients: Float[Array, "3 coefficient"]) -> Forms:
+    """The metric, and the curvature form times sqrt(det a), at the points of a grid."""
+    derivatives = (
+        tables.d_theta,
+        tables.d_phi,
+        tables.d_theta_theta,
+        tables.d_theta_phi,
+        tables.d_phi_phi,
     )
+    return fundamental_forms([coefficients @ table.T for table in derivatives])
 
 
 def volume(

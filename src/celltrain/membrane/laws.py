@@ -5,68 +5,54 @@ A law is an energy density of the two strain invariants of the surface,
     I1 = tr(C) - 2,   I2 = det(C) - 1,   C = A^-1 a,
 
 with A and a the metric tensors of the reference and the deformed surface. Nothing else of the
-package depends on the law.
+package depends on the law. Moduli are numbers, or arrays of JAX where rates are differentiated by
+them; each has the name that it has in `parameters.Cell`.
 """
 
-import abc
+from dataclasses import dataclass
+from typing import Protocol
 
-import equinox as eqx
-import jax.numpy as jnp
-from jaxtyping import Array, Float
+from celltrain.membrane.arithmetic import Number
 
 
-class ConstitutiveLaw(eqx.Module):
-    """In-plane elastic energy of a membrane."""
+class ConstitutiveLaw(Protocol):
+    """In-plane elastic energy of a membrane: a dataclass whose fields are the moduli, in mu U."""
 
-    @abc.abstractmethod
-    def energy_density(
-        self, first: Float[Array, " point"], second: Float[Array, " point"]
-    ) -> Float[Array, " point"]:
+    def energy_density(self, first: Number, second: Number) -> Number:
         """Energy per reference area, in mu U, from the invariants I1 and I2."""
+        ...
 
 
-class Skalak(ConstitutiveLaw):
+@dataclass(frozen=True)
+class Skalak:
     """Red blood cell membrane, Eq. (1) of Bryngelson & Freund (2018), after Skalak et al. (1973).
 
     W = Es/8 (I1^2 + 2 I1 - 2 I2) + Ed/8 I2^2.
     """
 
-    shear_modulus: Float[Array, ""]
-    dilatation_modulus: Float[Array, ""]
+    shear_modulus: Number
+    dilatation_modulus: Number
 
-    def energy_density(
-        self, first: Float[Array, " point"], second: Float[Array, " point"]
-    ) -> Float[Array, " point"]:
+    def energy_density(self, first: Number, second: Number) -> Number:
         """W(I1, I2) per reference area."""
         shear = self.shear_modulus / 8.0 * (first**2 + 2.0 * first - 2.0 * second)
         return shear + self.dilatation_modulus / 8.0 * second**2
 
 
-class NeoHookean(ConstitutiveLaw):
+@dataclass(frozen=True)
+class NeoHookean:
     """Thin sheet of an incompressible neo-Hookean solid (Barthes-Biesel, Diaz & Dhenin 2002).
 
     W = Es/4 (I1 + 1/(1 + I2) - 1): at small strain it shears like `Skalak` with the same Es, and
     its dilatation follows from Es alone.
     """
 
-    shear_modulus: Float[Array, ""]
+    shear_modulus: Number
 
-    def energy_density(
-        self, first: Float[Array, " point"], second: Float[Array, " point"]
-    ) -> Float[Array, " point"]:
+    def energy_density(self, first: Number, second: Number) -> Number:
         """W(I1, I2) per reference area."""
         return self.shear_modulus / 4.0 * (first + 1.0 / (1.0 + second) - 1.0)
 
 
-def make_law(
-    name: str,
-    shear_modulus: float | Float[Array, ""],
-    dilatation_modulus: float | Float[Array, ""],
-) -> ConstitutiveLaw:
-    """The law of the given name; `KeyError` if there is none."""
-    shear = jnp.asarray(shear_modulus, dtype=float)
-    laws = {
-        "skalak": lambda: Skalak(shear, jnp.asarray(dilatation_modulus, dtype=float)),
-        "neo_hookean": lambda: NeoHookean(shear),
-    }
-    return laws[name]()
+#: The laws by their names in a case.
+LAWS = {"skalak": Skalak, "neo_hookean": NeoHookean}

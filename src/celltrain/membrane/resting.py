@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
-from celltrain.harmonics import coefficient_index, real_harmonics, sphere_grid
+from celltrain.harmonics import coefficients_of, legendre_functions, project_meridian
 from celltrain.membrane.equilibrium import relaxed_shape
 from celltrain.membrane.reference import reference_coefficients
 from celltrain.parameters import CaseError, Cell
@@ -50,18 +50,18 @@ def profile_shape(
     middles = 0.5 * (speed[1:] + speed[:-1]) * np.diff(fine)
     arc = np.concatenate([[0.0], np.cumsum(middles)])
     place = CubicSpline(np.pi * arc / arc[-1], fine)
-    grid = sphere_grid(degree, max(64, 3 * degree))
-    theta, phi = grid.points()
-    rho, z = distance(place(theta)), height(place(theta))
-    surface = np.stack([rho * np.cos(phi), rho * np.sin(phi), z])
-    shape = surface * np.asarray(grid.weights) @ np.asarray(grid.values)
-    angle = np.pi * np.interp(chord, fine, arc) / arc[-1]
-    found = shape @ real_harmonics(degree, angle, np.zeros_like(angle)).T
-    misfit = float(np.hypot(found[0] - points[:, 0], found[2] - points[:, 1]).max())
+
+    def meridian(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return distance(place(theta)), height(place(theta))
+
+    profile = project_meridian(degree, meridian, max(64, 3 * degree))
+    legendre = legendre_functions(degree, 1, np.pi * np.interp(chord, fine, arc) / arc[-1])
+    found = np.stack([profile[1] @ legendre[1], profile[0] @ legendre[0]], axis=1)
+    misfit = float(np.linalg.norm(found - points, axis=1).max())
     if misfit > LARGEST_MISFIT:
         raise CaseError(
             f"degree = {degree} is not allowed with this profile: its shape is {misfit:.3f} r0 away"
             f" from a point, allowed: {LARGEST_MISFIT:g} r0; take a higher degree"
         )
-    shape[2, coefficient_index(0, 0)] = 0.0
-    return shape
+    profile[0, 0] = 0.0
+    return coefficients_of(profile)

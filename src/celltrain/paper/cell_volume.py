@@ -2,18 +2,12 @@
 
 from pathlib import Path
 
-import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
-from celltrain.membrane.equilibrium import (
-    REPULSION_RANGE,
-    contact_volume,
-    held_by,
-    least_thickness,
-    relaxation,
-    relaxed_shape,
-)
+from celltrain.harmonics import profile_of
+from celltrain.membrane.equilibrium import contact_volume, relaxed_shape
+from celltrain.membrane.relaxation import REPULSION_RANGE, relaxation
 from celltrain.paper.curves import side_by_side, sparse_and_dense
 from celltrain.paper.finding import DENSE, SPARSE, Finding, at, finding, in_paper_units, number
 from celltrain.train import meridian
@@ -36,9 +30,9 @@ def family(quick: bool) -> xr.Dataset:
     problem = relaxation(degree)
     shapes = [relaxed_shape(degree, v) for v in FAMILY]
     profiles = np.stack([np.stack(meridian(shape, 401)) for shape in shapes])
-    unknowns = [problem.unknowns(jnp.asarray(shape)) for shape in shapes]
-    held = np.array([held_by(problem, each)[0] for each in unknowns])
-    thickness = [float(least_thickness(problem, each)) for each in unknowns]
+    unknowns = [problem.unknowns(profile_of(shape)) for shape in shapes]
+    held = np.array([problem.held(each) for each in unknowns])
+    thickness = [problem.least_thickness(each) for each in unknowns]
     return xr.Dataset(
         {
             "profile": (("reduced_volume", "axis", "point"), profiles),

@@ -15,7 +15,7 @@ from jaxtyping import Float, Int
 
 from celltrain.diagnostics import surface_fields
 from celltrain.harmonics import real_harmonics
-from celltrain.membrane import Membrane
+from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.train import train_membrane
 

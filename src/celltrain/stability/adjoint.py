@@ -21,13 +21,12 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Complex, Float
 
-from celltrain.harmonics import real_harmonics
+from celltrain.harmonics import azimuthal_basis, real_harmonics
 from celltrain.parameters import CaseError
 from celltrain.stability.coordinates import normed_block
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import Norm, OrthonormalNorm
 from celltrain.stability.result import Mode, Stability
-from celltrain.train import azimuthal_basis
 
 Meridian = Float[np.ndarray, " point"]
 

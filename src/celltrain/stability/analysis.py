@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from celltrain.clock import timed
 from celltrain.parameters import CaseError, Train
 from celltrain.parameters.resolution import LARGEST_DEGREE
 from celltrain.programs import forget_many_programs
-from celltrain.runtime import timed
 from celltrain.stability.linearise import Blocks, Progress, linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import NORMS

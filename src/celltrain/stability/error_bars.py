@@ -20,13 +20,13 @@ import numpy as np
 from jaxtyping import Complex, Float
 from scipy.optimize import linear_sum_assignment
 
+from celltrain.harmonics import azimuthal_basis
 from celltrain.parameters import CaseError, Train
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.result import ErrorBar, Mode, Stability
 from celltrain.stability.spectrum import BlockSpectrum, block_spectrum
 from celltrain.steady import Base, NotConverged, change_degree, steady
-from celltrain.train import azimuthal_basis
 from celltrain.train.accuracy import refined
 
 #: How many degrees more the first part takes.

@@ -26,16 +26,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
+from celltrain.clock import timed
+from celltrain.harmonics import azimuthal_basis, azimuthal_families
 from celltrain.parameters import Train
-from celltrain.runtime import timed
-from celltrain.train import (
-    TrainOperator,
-    azimuthal_basis,
-    azimuthal_families,
-    clearance,
-    close_distance,
-    train_operator,
-)
+from celltrain.train import TrainOperator, clearance, close_distance, train_operator
 
 BATCH = 12
 

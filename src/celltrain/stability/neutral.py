@@ -20,9 +20,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
+from celltrain.harmonics import azimuthal_basis
 from celltrain.stability.result import Stability
 from celltrain.steady import Base
-from celltrain.train import azimuthal_basis, volume_gradient
+from celltrain.train import volume_gradient
 
 Block = Complex[np.ndarray, "size size"]
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import degrees_and_orders
-from celltrain.train import area_vectors, azimuthal_basis
+from celltrain.harmonics import azimuthal_basis, degrees_and_orders
+from celltrain.train import area_vectors
 
 Shape = Float[np.ndarray, "3 coefficient"]
 Grams = dict[int, Float[np.ndarray, "size size"]]

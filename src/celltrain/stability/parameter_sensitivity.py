@@ -30,6 +30,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Array, Complex, Float
 
+from celltrain.harmonics import azimuthal_basis
 from celltrain.parameters import CaseError
 from celltrain.stability.adjoint import mode_vectors
 from celltrain.stability.infinite import WaveMode
@@ -38,7 +39,6 @@ from celltrain.stability.result import Mode, Stability
 from celltrain.steady import Base, BaseSensitivity, base_sensitivities
 from celltrain.train import (
     Variation,
-    azimuthal_basis,
     check_parameters,
     clearance,
     close_distance,

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
+from celltrain.harmonics import azimuthal_basis
 from celltrain.steady import Base
-from celltrain.train import azimuthal_basis
 
 
 @dataclass(frozen=True)

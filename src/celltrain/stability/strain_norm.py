@@ -25,10 +25,12 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Array, Float
 
-from celltrain.membrane import ElasticBending, Membrane, make_law, make_membrane
+from celltrain.harmonics import azimuthal_basis
+from celltrain.membrane import ElasticBending, cell_material
+from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.stability.norms import Grams, Norm, Shape, SurfaceNorm
-from celltrain.train import area_vectors, azimuthal_basis
+from celltrain.train import area_vectors
 
 BATCH = 12
 
@@ -101,10 +103,11 @@ class StrainNorm(Norm):
     def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
         """Dense matrices."""
         cell = self.train.cell
+        law, _ = cell_material(cell)
         at_rest = make_membrane(
-            make_law(cell.law, cell.shear_modulus, cell.dilatation_modulus),
+            law,
             # Elastic whatever the cell's: of the others a steady shape is no minimum.
-            ElasticBending(jnp.asarray(cell.bending_modulus)),
+            ElasticBending(cell.bending_modulus),
             shape,
             energy_order=self.train.sizes.energy_order,
         )

@@ -15,8 +15,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.harmonics import axisymmetric_basis
 from celltrain.parameters import Train
-from celltrain.train import TrainOperator, axisymmetric_basis, train_operator
+from celltrain.train import TrainOperator, train_operator
 
 
 class State(eqx.Module):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 
 from celltrain.parameters import CaseError
-from celltrain.runtime import ONE_THREAD
+from celltrain.threads import ONE_THREAD
 
 # Seconds to wait for a scheduler's answer.
 PATIENCE = 20

@@ -1,7 +1,6 @@
 """A train of cells: from their shapes to the rates at which they change."""
 
 from celltrain.train.accuracy import rates_error
-from celltrain.train.axisymmetry import axisymmetric_basis, azimuthal_basis, azimuthal_families
 from celltrain.train.geometry import (
     area_vectors,
     clearance,
@@ -33,9 +32,6 @@ __all__ = [
     "TrainOperator",
     "Variation",
     "area_vectors",
-    "axisymmetric_basis",
-    "azimuthal_basis",
-    "azimuthal_families",
     "check_parameters",
     "clearance",
     "close_distance",

@@ -3,7 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import harmonic_tables, real_harmonics, sphere_grid
+from celltrain.harmonics import real_harmonics
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.tables import harmonic_tables
 from celltrain.parameters.reference_shape import profile_measures
 
 

@@ -19,14 +19,9 @@ from celltrain.flow import OwnSurfaceRule, PeriodicTube, Sources, own_surface_ru
 from celltrain.flow.close import close_rule
 from celltrain.flow.neighbours import CloseEvaluation
 from celltrain.flow.sources import Surface
-from celltrain.harmonics import SphereGrid, sphere_grid
-from celltrain.membrane import (
-    Membrane,
-    make_bending,
-    make_law,
-    make_membrane,
-    resting_shape,
-)
+from celltrain.harmonics.grid import SphereGrid, sphere_grid
+from celltrain.membrane import cell_material, resting_shape
+from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import Train
 from celltrain.train.gmres import Convergence
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
@@ -236,12 +231,8 @@ class TrainOperator(eqx.Module):
 def train_membrane(train: Train) -> Membrane:
     """The membrane that a train's cells have."""
     cell, sizes = train.cell, train.sizes
-    return make_membrane(
-        make_law(cell.law, cell.shear_modulus, cell.dilatation_modulus),
-        make_bending(cell.bending, cell.bending_modulus, cell.spontaneous_curvature),
-        resting_shape(cell, sizes.degree),
-        energy_order=sizes.energy_order,
-    )
+    shape = resting_shape(cell, sizes.degree)
+    return make_membrane(*cell_material(cell), shape, energy_order=sizes.energy_order)
 
 
 def resting_shapes(train: Train, cells: int) -> Float[np.ndarray, "cell 3 coefficient"]:

@@ -7,7 +7,8 @@ from jaxtyping import Array, Float
 
 from celltrain.flow import Sources
 from celltrain.flow.sources import SYMMETRIC, Surface
-from celltrain.harmonics import SphereGrid, harmonic_tables, sphere_grid
+from celltrain.harmonics.grid import SphereGrid, sphere_grid
+from celltrain.harmonics.tables import harmonic_tables
 
 
 class SourceGrid(eqx.Module):

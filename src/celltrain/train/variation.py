@@ -14,11 +14,11 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from celltrain.membrane import Membrane, relaxed_slope, surface_geometry
-from celltrain.membrane.laws import make_law
+from celltrain.membrane import relaxed_slope, with_moduli
+from celltrain.membrane.energy import Membrane
 from celltrain.parameters import Train
 from celltrain.train.operator import TrainOperator
-from celltrain.train.parameters import PARAMETERS, parameter_value
+from celltrain.train.parameters import MODULI, PARAMETERS, parameter_value
 
 Values = Mapping[str, Float[Array, ""]]
 
@@ -32,7 +32,6 @@ class Variation(eqx.Module):
 
     operator: TrainOperator
     start: dict[str, Float[Array, ""]]
-    law: str = eqx.field(static=True)
     slope: Float[Array, "3 3 m k chebyshev"]
     rest_slope: Float[Array, "3 coefficient"] | None
 
@@ -59,25 +58,17 @@ class Variation(eqx.Module):
     def _membrane(self, value: Values) -> Membrane:
         # All moduli are in inverse proportion to the strength of the flow.
         weaker = self.start["capillary_number"] / value["capillary_number"]
+        moduli = {name: weaker * value[name] for name in MODULI}
+        membrane = self.operator.membrane
         membrane = eqx.tree_at(
-            lambda each: (each.law, each.bending.modulus),
-            self.operator.membrane,
-            (
-                make_law(
-                    self.law, weaker * value["shear_modulus"], weaker * value["dilatation_modulus"]
-                ),
-                weaker * value["bending_modulus"],
-            ),
+            lambda each: (each.law, each.bending),
+            membrane,
+            (with_moduli(membrane.law, moduli), with_moduli(membrane.bending, moduli)),
         )
         if self.rest_slope is None:
             return membrane
         more = value["reduced_volume"] - self.start["reduced_volume"]
-        rest = membrane.reference_shape + more * self.rest_slope
-        return eqx.tree_at(
-            lambda each: (each.reference, each.reference_shape),
-            membrane,
-            (surface_geometry(membrane.tables, rest), rest),
-        )
+        return membrane.at_rest_in(membrane.reference_shape + more * self.rest_slope)
 
 
 def variation(operator: TrainOperator, train: Train, names: Sequence[str]) -> Variation:
@@ -93,7 +84,6 @@ def variation(operator: TrainOperator, train: Train, names: Sequence[str]) -> Va
     return Variation(
         operator=operator,
         start={name: jnp.asarray(value) for name, value in start.items()},
-        law=train.cell.law,
         slope=jnp.asarray(operator.tube.wall.response_slope()),
         rest_slope=rest_slope,
     )

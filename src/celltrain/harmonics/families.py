@@ -1,5 +1,7 @@
 """Shape disturbances of one azimuthal number, as real orthonormal coefficient vectors.
 
+`azimuthal` has the same fields as amplitudes on the meridian.
+
 Turning a disturbance of an axisymmetric train about the axis multiplies its part of azimuthal
 number m by exp(i m angle), so the linear dynamics does not couple different m. With u+- = x +- i y,
 number m holds the harmonics (n, m) of z, (n, m + 1) of u+ and (n, m - 1) of u-. Of the two
@@ -10,7 +12,7 @@ the same dynamics. For m = 0 the second family, the swirl about the axis, is a b
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import coefficient_index
+from celltrain.harmonics.basis import coefficient_index
 
 Family = Float[np.ndarray, "member 3 coefficient"]
 
