@@ -4,11 +4,7 @@ What is here needs NumPy and SciPy only, and serves axisymmetric cells. The memb
 any shape, in JAX, is in `energy`, its surface in `geometry`; both are modules to import by name.
 """
 
-from celltrain.membrane.axisymmetric import (
-    AxisymmetricMembrane,
-    axisymmetric_membrane,
-    train_membrane,
-)
+from celltrain.membrane.axisymmetric import AxisymmetricMembrane, axisymmetric_membrane
 from celltrain.membrane.bending import BENDINGS, BendingLaw, ElasticBending, HelfrichBending
 from celltrain.membrane.equilibrium import healthy_reduced_volume, relaxed_slope
 from celltrain.membrane.forms import PointwiseEnergy
@@ -16,6 +12,7 @@ from celltrain.membrane.laws import LAWS, ConstitutiveLaw, NeoHookean, Skalak
 from celltrain.membrane.material import cell_material, with_moduli
 from celltrain.membrane.reference import reference_coefficients
 from celltrain.membrane.resting import resting_shape
+from celltrain.membrane.train_cells import meridian_membrane
 
 __all__ = [
     "BENDINGS",
@@ -31,9 +28,9 @@ __all__ = [
     "axisymmetric_membrane",
     "cell_material",
     "healthy_reduced_volume",
+    "meridian_membrane",
     "reference_coefficients",
     "relaxed_slope",
     "resting_shape",
-    "train_membrane",
     "with_moduli",
 ]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import Profile, azimuthal_weight, cylindrical_members, profile_of
+from celltrain.harmonics import Profile, azimuthal_weight, cylindrical_members
 from celltrain.membrane.bending import BendingLaw
 from celltrain.membrane.density import (
     Forms,
@@ -26,10 +26,7 @@ from celltrain.membrane.density import (
 from celltrain.membrane.forms import PointwiseEnergy, fundamental_forms, in_components
 from celltrain.membrane.jets import variables
 from celltrain.membrane.laws import ConstitutiveLaw
-from celltrain.membrane.material import cell_material
 from celltrain.membrane.meridian import Meridian, meridian
-from celltrain.membrane.resting import resting_shape
-from celltrain.parameters import Train
 
 Vector = Float[np.ndarray, " member"]
 Matrix = Float[np.ndarray, "member member"]
@@ -142,13 +139,3 @@ def axisymmetric_membrane(
     points = meridian(rest_profile.shape[1], energy_order)
     rest = rest_geometry(fundamental_forms(points.components(rest_profile)))
     return AxisymmetricMembrane(law, bending, rest_profile, points, rest)
-
-
-def train_membrane(train: Train) -> AxisymmetricMembrane:
-    """The membrane of a train's cells, at the train's degree.
-
-    **Raises:** `CaseError` if the train has no degree, or there is no such shape at rest.
-    """
-    cell, sizes = train.cell, train.sizes
-    rest = profile_of(resting_shape(cell, sizes.degree))
-    return axisymmetric_membrane(*cell_material(cell), rest, energy_order=sizes.energy_order)

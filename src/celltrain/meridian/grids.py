@@ -6,10 +6,14 @@ from functools import cached_property, lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics.azimuthal import azimuthal_weight, cylindrical_members
-from celltrain.harmonics.legendre import LegendreTables, legendre_tables
+from celltrain.harmonics import (
+    LegendreTables,
+    Profile,
+    azimuthal_weight,
+    cylindrical_members,
+    legendre_tables,
+)
 
-Profile = Float[np.ndarray, "2 degree"]
 Meridian = Float[np.ndarray, " point"]
 
 

@@ -23,6 +23,9 @@ USUAL_STRETCH = 1.6
 LONGITUDES = 1.6
 # Images whose axial distance is below this are summed one by one.
 NEAREST_IMAGE = 0.8
+#: Most points of smooth sources: cells closer than about 0.03 r0 to each other, or half of that to
+#: the wall, are not computed.
+MOST_SOURCES = 600
 # Points of a meridian among which distances are taken.
 POINTS = 200
 
@@ -44,6 +47,11 @@ class Rules:
     image_half_circle: int
     nearest: int
     tolerance: float
+
+    @property
+    def possible(self) -> bool:
+        """Whether the cells are far enough apart, and from the wall, to be computed."""
+        return max(self.sources, self.image_sources) <= MOST_SOURCES
 
     def covers(self, other: "Rules") -> bool:
         """Whether these rules serve where others are asked for, without being twice as fine."""
@@ -100,6 +108,8 @@ def choose_rules(
     finer = math.log(1.0 / tolerance) / math.log(1.0 / TOLERANCE)
 
     def points(distance: float) -> int:
+        if not distance > 0.0:
+            return MOST_SOURCES + 1
         return _rung(0.5 * digits * float(stretch.max()) / distance)
 
     nearest = 0

@@ -24,7 +24,8 @@ from jaxtyping import Complex, Float
 
 from celltrain.membrane.axisymmetric import AxisymmetricMembrane
 from celltrain.meridian import flow_rate
-from celltrain.meridian.grids import HalfCircle, Meridian, MeridianGrid, Profile, meridian_grid
+from celltrain.harmonics import Profile
+from celltrain.meridian.grids import HalfCircle, Meridian, MeridianGrid, meridian_grid
 from celltrain.meridian.images import ImageMoments, force_image
 from celltrain.meridian.moments import SINGLE, SLOPE, MemberMatrix, member_matrix
 from celltrain.meridian.own_surface import OwnMoments, force_moments, own_rule

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from celltrain.harmonics import Profile, profile_of
 from celltrain.parameters import Train
 
 
@@ -47,6 +48,11 @@ class Base:
     history: tuple[Iteration, ...]
     origin: str
     seconds: dict[str, float]
+
+    @property
+    def profile(self) -> Profile:
+        """The cells' meridian (see `harmonics.profile`)."""
+        return profile_of(self.coefficients)
 
 
 class NotConverged(RuntimeError):

@@ -16,7 +16,7 @@ from celltrain.steady.iterate import Iterated, Progress, newton
 from celltrain.steady.problem import SteadyProblem
 
 #: Shortest step, as a part of the whole path.
-SMALLEST_PART = 1.0 / 1024.0
+SMALLEST_PART = 1.0 / 256.0
 # Newton's steps that one step along the path may take, and up to which the next one is longer.
 MOST_CORRECTIONS, FEW_CORRECTIONS = 10, 4
 # Trains on the way need not be exact.

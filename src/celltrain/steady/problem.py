@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.harmonics import Profile, profile_of
-from celltrain.membrane import train_membrane
+from celltrain.membrane import meridian_membrane
 from celltrain.meridian.geometry import largest_radius, streamwise_gap
 from celltrain.meridian.rules import TOLERANCE, Rules, choose_rules
 from celltrain.meridian.train import ALIKE, TrainFlow
@@ -97,7 +97,7 @@ class SteadyProblem:
     def __init__(self, train: Train, *, tolerance: float = TOLERANCE) -> None:
         self.train = train
         self.degree = train.degree
-        self.membrane = train_membrane(train)
+        self.membrane = meridian_membrane(train)
         self.rest = self.membrane.rest_profile
         self.target_volume = self.membrane.volume(self.rest)
         self._tolerance = tolerance
@@ -113,11 +113,12 @@ class SteadyProblem:
         )
 
     def fits(self, profile: Profile) -> bool:
-        """Whether a cell of this shape touches neither the wall nor its neighbours."""
+        """Whether a cell of this shape is clear of the wall and of its neighbours."""
         # What is not a number does not fit.
         return bool(
             largest_radius(profile) < self.train.radius
             and streamwise_gap(profile, self.train.period) > 0.0
+            and self.rules(profile).possible
         )
 
     def flow(self, profile: Profile, rules: Rules | None = None) -> TrainFlow:

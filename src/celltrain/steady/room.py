@@ -11,7 +11,7 @@ import math
 
 from scipy.optimize import brentq
 
-from celltrain.membrane import train_membrane
+from celltrain.membrane import meridian_membrane
 from celltrain.parameters import CaseError, Train
 
 
@@ -33,7 +33,7 @@ def check_room(train: Train) -> None:
 
     **Raises:** `CaseError` if not, with the least diameter or the largest packing.
     """
-    membrane = train_membrane(train)
+    membrane = meridian_membrane(train)
     area, volume = (each(membrane.rest_profile) for each in (membrane.area, membrane.volume))
     least = least_diameter(area, volume)
     if train.tube.diameter <= least:

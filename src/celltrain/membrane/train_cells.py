@@ -1,0 +1,17 @@
+"""The membrane of a train's cells, as their parameters describe it."""
+
+from celltrain.harmonics import profile_of
+from celltrain.membrane.axisymmetric import AxisymmetricMembrane, axisymmetric_membrane
+from celltrain.membrane.material import cell_material
+from celltrain.membrane.resting import resting_shape
+from celltrain.parameters import Train
+
+
+def meridian_membrane(train: Train) -> AxisymmetricMembrane:
+    """The membrane of a train's cells, at the train's degree, for axisymmetric shapes.
+
+    **Raises:** `CaseError` if the train has no degree, or there is no such shape at rest.
+    """
+    cell, sizes = train.cell, train.sizes
+    rest = profile_of(resting_shape(cell, sizes.degree))
+    return axisymmetric_membrane(*cell_material(cell), rest, energy_order=sizes.energy_order)
