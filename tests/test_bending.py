@@ -14,12 +14,12 @@ from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.train import train_membrane
 
 DEGREE, MODULUS = 8, 0.05
-NO_TENSION = Skalak(jnp.zeros(()), jnp.zeros(()))
+NO_TENSION = Skalak(0.0, 0.0)
 
 
 def fluid(preferred: float = 0.0, shape: str = "sphere") -> Membrane:
     """A membrane that only bends."""
-    bending = HelfrichBending(jnp.asarray(MODULUS), jnp.asarray(preferred))
+    bending = HelfrichBending(MODULUS, preferred)
     reference = reference_coefficients(DEGREE, shape)
     return make_membrane(NO_TENSION, bending, reference, energy_order=3 * DEGREE)
 

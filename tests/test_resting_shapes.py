@@ -3,16 +3,16 @@
 import tomllib
 from pathlib import Path
 
-import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import CaseError, Train, stability, steady
+from celltrain.harmonics import coefficients_of, profile_of
 from celltrain.membrane import reference_coefficients, resting_shape
-from celltrain.membrane.equilibrium import REPULSION_RANGE, imbalance, relaxation, relaxed_shape
+from celltrain.membrane.equilibrium import relaxed_shape, relaxed_slope
+from celltrain.membrane.relaxation import REPULSION_RANGE, relaxation
 from celltrain.parameters import Cell, merge_case
 from celltrain.parameters.profile import enclosed
 from celltrain.train import area_vectors, meridian, size_at_rest, train_membrane
@@ -56,21 +56,48 @@ def test_area_is_the_healthy_cells_and_volume_is_v(v: float) -> None:
 @pytest.mark.parametrize("v", [0.4, 0.55, 0.8, 0.95])
 def test_no_other_shape_nearby_has_less_energy(v: float) -> None:
     problem = relaxation(DEGREE)
-    unknowns = problem.unknowns(jnp.asarray(relaxed_shape(DEGREE, v)))
-    assert_allclose(problem.shape(unknowns), relaxed_shape(DEGREE, v), atol=1e-14)
-    assert np.abs(imbalance(problem, np.asarray(unknowns))).max() < 1e-5
+    unknowns = problem.unknowns(profile_of(relaxed_shape(DEGREE, v)))
+    shape = coefficients_of(problem.profile(unknowns))
+    assert_allclose(shape, relaxed_shape(DEGREE, v), atol=1e-14)
+    here = problem.derivatives(unknowns)
+    assert np.abs(here.imbalance).max() < 1e-9
     # Displacements, brought back to the same area and volume by Newton's method.
-    energy, held = eqx.filter_jit(problem.energy), eqx.filter_jit(problem.held)
-    least, target = float(energy(unknowns)), np.asarray(held(unknowns))
-    normals = np.asarray(jax.jacfwd(problem.held)(unknowns))
-    inverse = np.linalg.pinv(normals)
+    least, target = problem.energy(unknowns), problem.held(unknowns)
+    inverse = np.linalg.pinv(here.normals)
     random = np.random.default_rng(0)
     for _ in range(5):
         moved = unknowns + 0.02 * random.normal(size=unknowns.size)
         for _ in range(8):
-            moved = moved - inverse @ (np.asarray(held(moved)) - target)
-        assert_allclose(held(moved), target, rtol=1e-6)
-        assert float(energy(moved)) > least + 1e-4
+            moved = moved - inverse @ (problem.held(moved) - target)
+        assert_allclose(problem.held(moved), target, rtol=1e-6)
+        assert problem.energy(moved) > least + 1e-4
+
+
+# With and without the repulsion.
+@pytest.mark.parametrize("v", [0.5, 0.8])
+def test_derivatives_of_what_is_least_and_held(v: float) -> None:
+    problem = relaxation(DEGREE)
+    unknowns = problem.unknowns(profile_of(relaxed_shape(DEGREE, v)))
+    random = np.random.default_rng(1)
+    unknowns = unknowns + 0.003 * random.normal(size=unknowns.size)
+    step = 1e-5 * random.normal(size=unknowns.size)
+    here, ahead, behind = (problem.derivatives(unknowns + s * step) for s in (0, 1, -1))
+    change = problem.energy(unknowns + step) - problem.energy(unknowns - step)
+    assert change == pytest.approx(2 * here.gradient @ step, rel=1e-5)
+    changes = problem.held(unknowns + step) - problem.held(unknowns - step)
+    assert_allclose(changes, 2 * here.normals @ step, rtol=1e-6)
+    size = np.abs(here.hessian @ step).max()
+    change = ahead.gradient - behind.gradient
+    assert_allclose(change, 2 * here.hessian @ step, rtol=0, atol=1e-4 * size)
+    assert_allclose(ahead.normals - behind.normals, 2 * here.bends @ step, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("v", [0.5, 0.8])
+def test_slope_of_a_shape(v: float) -> None:
+    change = relaxed_shape(DEGREE, v + 1e-4) - relaxed_shape(DEGREE, v - 1e-4)
+    slope = relaxed_slope(DEGREE, v)
+    assert np.abs(slope).max() > 1.0
+    assert_allclose(change / 2e-4, slope, rtol=0, atol=1e-4)
 
 
 def test_the_healthy_cell_is_a_member_and_the_sphere_another() -> None:
@@ -92,8 +119,7 @@ def test_the_healthy_cell_is_a_member_and_the_sphere_another() -> None:
 def test_faces_of_a_thin_cell_stay_apart(v: float) -> None:
     problem = relaxation(DEGREE)
     shape = relaxed_shape(DEGREE, v)
-    thickness, _ = problem.thickness(jnp.asarray(shape))
-    least = np.asarray(thickness)[np.asarray(problem.upper) > 0].min()
+    least = problem.least_thickness(problem.unknowns(profile_of(shape)))
     assert 0.5 * REPULSION_RANGE < least < REPULSION_RANGE
     rho, z = meridian(shape)
     assert (z[1:1000] > 0.0).all()

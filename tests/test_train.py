@@ -81,10 +81,10 @@ def soft(operator: TrainOperator) -> TrainOperator:
         lambda o: (
             o.membrane.law.shear_modulus,
             o.membrane.law.dilatation_modulus,
-            o.membrane.bending.modulus,
+            o.membrane.bending.bending_modulus,
         ),
         operator,
-        [0.0 * membrane.bending.modulus] * 3,
+        [0.0 * membrane.bending.bending_modulus] * 3,
     )
 
 

@@ -17,7 +17,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-import celltrain.threads  # noqa: F401  (first: settings of NumPy's libraries)
+import celltrain.environment  # noqa: F401  (first: what libraries read when loaded)
 from celltrain.parameters import CaseError, Train, load_case, paper_units
 
 if TYPE_CHECKING:

@@ -1,29 +1,23 @@
-"""One place for the settings of JAX, imported first by every module that uses it.
+"""One place for the settings of JAX, imported by every module that uses it.
 
 * 64-bit floats. They must be switched on before the first array exists.
 * The persistent compilation cache, so that the second run of a command does not compile again. Its
   folder is `$JAX_COMPILATION_CACHE_DIR` if that is set, `$XDG_CACHE_HOME/celltrain` or
   `~/.cache/celltrain` otherwise.
-* How XLA compiles (see `xla_flags`).
-* The level of XLA's own messages.
 * The number of threads of the nonuniform Fourier transforms: one, because at the sizes of a train
   more of them cost more than they bring; `$CELLTRAIN_NUFFT_THREADS` sets another.
 * What JAX compiles is reported to the clock (see `clock`).
+
+What must be said before JAX is loaded is in `environment`.
 """
 
 import os
 from pathlib import Path
 
-from celltrain.clock import compilation
-from celltrain.xla_flags import xla_flags
-
-# XLA reports every cached program as compiled for "another machine", because it lists its own
-# tuning preferences among the processor's features. Set the variable to 0 to see all messages.
-os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-os.environ["XLA_FLAGS"] = xla_flags()
-
 import jax
 from jax_finufft.options import Opts
+
+from celltrain.clock import compilation
 
 
 def _configure() -> None:

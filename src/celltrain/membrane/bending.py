@@ -5,7 +5,7 @@ radius R has kappa = -1/R and the mean curvature H = -tr(kappa)/2 = 1/R.
 """
 
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 from celltrain.membrane.arithmetic import Number
 
@@ -13,6 +13,7 @@ from celltrain.membrane.arithmetic import Number
 Mixed: TypeAlias = tuple[Number, Number, Number, Number]
 
 
+@runtime_checkable
 class BendingLaw(Protocol):
     """Bending energy of a membrane: a dataclass with the names of `parameters.Cell`.
 

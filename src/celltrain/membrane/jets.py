@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-Constant: TypeAlias = float | Float[np.ndarray, ""] | Float[np.ndarray, " point"]
+Constant: TypeAlias = int | float | Float[np.ndarray, ""] | Float[np.ndarray, " point"]
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Jet:
     def __rtruediv__(self, other: Constant) -> "Jet":
         return self**-1.0 * other
 
-    def __pow__(self, exponent: float) -> "Jet":
+    def __pow__(self, exponent: int | float) -> "Jet":
         first = exponent * self.value ** (exponent - 1.0)
         hessian = first[:, None, None] * self.hessian
         factor = exponent * (exponent - 1.0)

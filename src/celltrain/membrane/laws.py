@@ -10,11 +10,12 @@ them; each has the name that it has in `parameters.Cell`.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from celltrain.membrane.arithmetic import Number
 
 
+@runtime_checkable
 class ConstitutiveLaw(Protocol):
     """In-plane elastic energy of a membrane: a dataclass whose fields are the moduli, in mu U."""
 

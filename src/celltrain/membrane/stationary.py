@@ -12,7 +12,7 @@ eigenvalues there are replaced by their sizes), and steps are shortened until E 
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import scipy.linalg
@@ -56,6 +56,7 @@ class Derivatives:
         return self.hessian - np.tensordot(self.multipliers, self.bends, axes=1)
 
 
+@runtime_checkable
 class HeldEnergy(Protocol):
     """An energy and the quantities held, as functions of some unknowns."""
 

@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 
+from celltrain.environment import ONE_THREAD
 from celltrain.parameters import CaseError
-from celltrain.threads import ONE_THREAD
 
 # Seconds to wait for a scheduler's answer.
 PATIENCE = 20
