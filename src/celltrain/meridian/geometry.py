@@ -5,8 +5,8 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics.legendre import legendre_functions
-from celltrain.meridian.grids import Meridian, Profile
+from celltrain.harmonics import Profile, legendre_functions
+from celltrain.meridian.grids import Meridian, meridian_grid
 from celltrain.parameters.reference_shape import profile_measures
 
 #: Points of a meridian, pole to pole, from which lengths are taken.
@@ -57,6 +57,15 @@ def streamwise_gap(profile: Profile, period: float) -> float:
     np.minimum.at(rear, level, height)
     known = np.isfinite(front)
     return float(np.min(period + rear[known] - front[known]))
+
+
+def volume_gradient(profile: Profile) -> Float[np.ndarray, " member"]:
+    """dV/ds in the members of m = 0: those of n dS/dOmega, in r0^2."""
+    # The components are polynomials of degree 2 M - 2, times a harmonic below 3 M.
+    grid = meridian_grid(profile.shape[1], 2 * profile.shape[1])
+    axial, radial = grid.area_vectors(profile)
+    members = grid.members(0)
+    return 2.0 * np.pi * (members[0] * radial + members[2] * axial) @ grid.weights
 
 
 def clearance(profile: Profile, period: float, radius: float) -> float:

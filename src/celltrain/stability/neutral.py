@@ -20,10 +20,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from celltrain.harmonics import azimuthal_basis
+from celltrain.harmonics import member_count
+from celltrain.meridian.geometry import volume_gradient
 from celltrain.stability.result import Stability
 from celltrain.steady import Base
-from celltrain.train import volume_gradient
 
 Block = Complex[np.ndarray, "size size"]
 
@@ -60,18 +60,18 @@ class NeutralDefect:
 
 def neutral_space(base: Base, m: int, wave: int) -> NeutralSpace:
     """The known null vectors of A_m(2 pi wave/N), in `azimuthal_basis(degree, m)`."""
-    shape = base.coefficients
-    basis = azimuthal_basis(base.train.degree, m)
-    empty = np.zeros((len(basis), 0))
+    degree = base.train.degree
+    size = member_count(degree, m)
     if m != 0:
-        return NeutralSpace(empty, (), None)
-    turned = np.stack([-shape[1], shape[0], np.zeros_like(shape[0])])
-    right = [_unit(np.einsum("uik,ik->u", basis, turned))]
+        return NeutralSpace(np.zeros((size, 0)), (), None)
+    # A turn about the axis moves a point by its distance from it.
+    turned = np.concatenate([np.zeros(2 * degree - 1), base.profile[1, 1:]])
+    right = [_unit(turned)]
     kinds = ["rotation"]
     if wave == 0:
-        right.append(np.eye(len(basis))[0])
+        right.append(np.eye(size)[0])
         kinds.append("translation")
-    volume = _unit(np.einsum("uik,ik->u", basis, volume_gradient(shape)))
+    volume = _unit(volume_gradient(base.profile))
     return NeutralSpace(np.stack(right, axis=1), tuple(kinds), volume)
 
 

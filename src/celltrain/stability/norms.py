@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import azimuthal_basis, degrees_and_orders
-from celltrain.train import area_vectors
+from celltrain.harmonics import azimuthal_weight, degrees_and_orders, member_count, profile_of
+from celltrain.meridian.grids import meridian_grid
 
 Shape = Float[np.ndarray, "3 coefficient"]
 Grams = dict[int, Float[np.ndarray, "size size"]]
@@ -40,7 +40,7 @@ class OrthonormalNorm(Norm):
     def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
         """Unit matrices."""
         degree = int(np.sqrt(shape.shape[-1]))
-        return {m: np.eye(len(azimuthal_basis(degree, m))) for m in azimuthal_numbers}
+        return {m: np.eye(member_count(degree, m)) for m in azimuthal_numbers}
 
 
 def paper_weights(degree: int) -> Float[np.ndarray, " coefficient"]:
@@ -65,11 +65,15 @@ class PaperNorm(Norm):
     def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
         """Diagonal matrices."""
         degree = int(np.sqrt(shape.shape[-1]))
-        weight = paper_weights(degree)
         grams = {}
         for m in azimuthal_numbers:
-            basis = azimuthal_basis(degree, m)
-            grams[m] = np.tensordot(basis * weight, basis, axes=((1, 2), (1, 2)))
+            weights = np.full(member_count(degree, m), 1.0 / np.pi)
+            # Of order 0 are z for m = 0, and what turns as exp(i (m - 1) phi) for m = 1.
+            if m == 0:
+                weights[:degree] *= 0.5
+            if m == 1:
+                weights[len(weights) - degree :] *= 0.5
+            grams[m] = np.diag(weights)
         return grams
 
 
@@ -81,14 +85,16 @@ class SurfaceNorm(Norm):
 
     def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
         """Dense matrices."""
-        degree = int(np.sqrt(shape.shape[-1]))
-        vectors, weights, values = area_vectors(shape)
-        area = np.linalg.norm(vectors, axis=-1) * weights
-        metric = (values * (area / area.sum())[:, None]).T @ values
+        profile = profile_of(shape)
+        # The area is no polynomial; its square is one of degree 4 M.
+        grid = meridian_grid(profile.shape[1], 2 * profile.shape[1])
+        area = np.hypot(*grid.area_vectors(profile)) * grid.weights
+        mean = area / (2.0 * np.pi * area.sum())
         grams = {}
         for m in azimuthal_numbers:
-            basis = azimuthal_basis(degree, m)
-            grams[m] = np.tensordot(basis @ metric, basis, axes=((1, 2), (1, 2)))
+            members = grid.members(m)
+            weighted = members * (azimuthal_weight(m) * mean)
+            grams[m] = np.einsum("cup,cvp->uv", weighted, members)
         return grams
 
 

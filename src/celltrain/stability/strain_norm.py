@@ -18,51 +18,31 @@ deforms the cell; so growth in this norm depends on the weight w: state it.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 import scipy.linalg
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
-from celltrain.harmonics import azimuthal_basis
-from celltrain.membrane import ElasticBending, cell_material
-from celltrain.membrane.energy import Membrane, make_membrane
+from celltrain.harmonics import azimuthal_basis, profile_of
+from celltrain.membrane import (
+    AxisymmetricMembrane,
+    ElasticBending,
+    axisymmetric_membrane,
+    cell_material,
+)
 from celltrain.parameters import CaseError, Train
 from celltrain.stability.norms import Grams, Norm, Shape, SurfaceNorm
-from celltrain.train import area_vectors
-
-BATCH = 12
 
 
-@eqx.filter_jit
-def _curvatures(
-    membrane: Membrane, shape: Float[Array, "3 coefficient"], directions: Array
-) -> Float[Array, "direction 3 coefficient"]:
-    def change(direction: Array) -> Array:
-        return jax.jvp(jax.grad(membrane.energy), (shape,), (direction,))[1]
-
-    return jax.lax.map(change, directions, batch_size=BATCH)
-
-
-def second_variation(membrane: Membrane, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
+def second_variation(
+    membrane: AxisymmetricMembrane, shape: Shape, azimuthal_numbers: Sequence[int]
+) -> Grams:
     """d^2 E/ds^2 of the energy of one axisymmetric cell, in mu U, for each azimuthal number m.
 
     In `azimuthal_basis(degree, m)`. Positive semidefinite where the membrane is free of stress, in
     general indefinite.
     """
-    degree = int(np.sqrt(shape.shape[-1]))
-    bases = [azimuthal_basis(degree, m) for m in azimuthal_numbers]
-    directions = np.concatenate(bases)
-    # Whole batches only: a remainder would be compiled as a second program.
-    padded = jnp.pad(directions, ((0, -len(directions) % BATCH), (0, 0), (0, 0)))
-    changes = np.asarray(_curvatures(membrane, jnp.asarray(shape), padded))
-    grams, start = {}, 0
-    for m, basis in zip(azimuthal_numbers, bases, strict=True):
-        part = np.einsum("uik,vik->uv", basis, changes[start : start + len(basis)])
-        grams[m] = 0.5 * (part + part.T)
-        start += len(basis)
-    return grams
+    energy = membrane.second_order(profile_of(shape))
+    return {m: membrane.hessian(energy, m) for m in azimuthal_numbers}
 
 
 def rigid_motions(shape: Shape, m: int) -> Float[np.ndarray, "size count"]:
@@ -104,15 +84,14 @@ class StrainNorm(Norm):
         """Dense matrices."""
         cell = self.train.cell
         law, _ = cell_material(cell)
-        at_rest = make_membrane(
+        at_rest = axisymmetric_membrane(
             law,
             # Elastic whatever the cell's: of the others a steady shape is no minimum.
             ElasticBending(cell.bending_modulus),
-            shape,
+            profile_of(shape),
             energy_order=self.train.sizes.energy_order,
         )
-        vectors, weights, _ = area_vectors(shape)
-        area = float(np.linalg.norm(vectors, axis=-1) @ weights)
+        area = at_rest.area(profile_of(shape))
         stiffness = second_variation(at_rest, shape, azimuthal_numbers)
         surface = SurfaceNorm().grams(shape, azimuthal_numbers)
         grams = {}
