@@ -175,4 +175,3 @@ def _transient(base: Base, blocks: Blocks) -> tuple[dict[str, float], TransientM
             optimal = best
     assert optimal is not None
     return abscissas, optimal
-

@@ -306,7 +306,7 @@ def _most_unstable(
             return _leading(dynamics.base, m, q, dynamics.blocks(m, [q])[0])
 
         found = scipy.optimize.minimize_scalar(
-            lambda q: -mode(float(q)).growth_rate,  # noqa: B023
+            lambda q: -mode(float(q)).growth_rate,
             bounds=(low, high),
             method="bounded",
             options={"xatol": PHASE_TOLERANCE},

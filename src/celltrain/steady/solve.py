@@ -13,12 +13,12 @@ import numpy as np
 from celltrain.clock import timed
 from celltrain.harmonics import Profile, coefficients_of
 from celltrain.meridian.geometry import largest_radius, size_at_rest, streamwise_gap
-from celltrain.parameters import CaseError, Train
+from celltrain.parameters import Train
 from celltrain.steady.base import Base, IterationProgress, NotConverged
 from celltrain.steady.degree import DEGREES, raised
 from celltrain.steady.iterate import Iterated, march, newton
 from celltrain.steady.path import Followed, change_degree, follow
-from celltrain.steady.problem import SteadyProblem, SteadyState
+from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.room import check_room
 
 TOLERANCE = 1e-9
@@ -158,9 +158,7 @@ class _Search:
         )
         return self._counted(Followed(problem, found, found.steady))
 
-    def _follow(
-        self, begin: Train, profile: Profile, end: Train, first: float = 1.0
-    ) -> Followed:
+    def _follow(self, begin: Train, profile: Profile, end: Train, first: float = 1.0) -> Followed:
         return self._counted(
             follow(
                 begin,
