@@ -27,7 +27,7 @@ MOST_ITERATIONS = 400
 MARCH_DEGREE = 12
 #: How well the cells' velocity is known, in U, where the degree is left open.
 KNOWN_VELOCITY = 1e-4
-# Where a detour begins: tubes and periods, relative to the cell at rest, in which the march is easy.
+# Where a detour begins: a tube and a period, relative to the cell at rest, that make it easy.
 EASY_DIAMETER, EASY_PERIOD = 1.5, 2.0
 # What is reported of the velocity's error over the largest difference found.
 MARGIN = 1.5
