@@ -23,7 +23,7 @@ def at_degree(start: Train | Base | Stability, degree: int | None) -> Base | Sta
     if isinstance(start, Train):
         chosen = start.resolution.degree if degree is None else degree
         train = start.changed(degree=DEGREE if chosen is None else chosen)
-        return stability(steady(train, estimate_error=False), estimate_error=False)
+        return stability(train, estimate_error=False)
     base = start.base if isinstance(start, Stability) else start
     chosen = DEGREE if degree is None else degree
     if base.train.degree == chosen:
