@@ -8,17 +8,16 @@ from celltrain.stability.adjoint import (
     receptivity,
     structural_sensitivity,
 )
-from celltrain.stability.analysis import check_linearisable, stability
+from celltrain.stability.analysis import stability
+from celltrain.stability.convergence import (
+    ACCURACY,
+    NUMBERS,
+    check_accuracy,
+    check_linearisable,
+)
 from celltrain.stability.coordinates import NormedBlock, normed_block, normed_blocks
 from celltrain.stability.error_bars import check_count, with_error_bars
-from celltrain.stability.full_matrix import (
-    Derivative,
-    ExactDerivative,
-    FiniteDifference,
-    full_matrix,
-)
 from celltrain.stability.infinite import (
-    NUMBERS,
     InfiniteTrain,
     WaveMode,
     distance_to_uniform,
@@ -45,12 +44,6 @@ from celltrain.stability.norms import (
     SurfaceNorm,
     paper_weights,
 )
-from celltrain.stability.parameter_sensitivity import (
-    ParameterSensitivities,
-    ParameterSensitivity,
-    parameter_sensitivities,
-    wave_sensitivities,
-)
 from celltrain.stability.pseudospectrum import (
     Kreiss,
     Pseudospectrum,
@@ -72,13 +65,11 @@ from celltrain.stability.transient import (
 )
 
 __all__ = [
+    "ACCURACY",
     "NORMS",
     "NUMBERS",
     "BlockGrowth",
-    "Derivative",
     "ErrorBar",
-    "ExactDerivative",
-    "FiniteDifference",
     "GrowthWithout",
     "InfiniteTrain",
     "Kreiss",
@@ -90,8 +81,6 @@ __all__ = [
     "OptimalDisturbance",
     "OrthonormalNorm",
     "PaperNorm",
-    "ParameterSensitivities",
-    "ParameterSensitivity",
     "Peak",
     "Pseudospectrum",
     "Stability",
@@ -105,12 +94,12 @@ __all__ = [
     "biorthogonality_error",
     "block_spectrum",
     "blocks_without_neighbours",
+    "check_accuracy",
     "check_count",
     "check_linearisable",
     "condition_number",
     "deflated",
     "distance_to_uniform",
-    "full_matrix",
     "growth_without_neighbours",
     "infinite_train",
     "kreiss_constant",
@@ -123,7 +112,6 @@ __all__ = [
     "numerical_abscissa",
     "optimal_disturbance",
     "paper_weights",
-    "parameter_sensitivities",
     "propagator_norm",
     "pseudospectrum",
     "receptivity",
@@ -131,6 +119,5 @@ __all__ = [
     "stability",
     "structural_sensitivity",
     "transient_growth",
-    "wave_sensitivities",
     "with_error_bars",
 ]

@@ -1,51 +1,40 @@
 """The stability of a steady train: all blocks, their spectra, and what stands out."""
 
+import math
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from celltrain.clock import timed
-from celltrain.parameters import CaseError, Train
-from celltrain.parameters.resolution import LARGEST_DEGREE
-from celltrain.programs import forget_many_programs
+from celltrain.parameters import Train
+from celltrain.stability.convergence import (
+    ACCURACY,
+    NUMBERS,
+    AbscissaLadder,
+    Tell,
+    check_linearisable,
+)
 from celltrain.stability.linearise import Blocks, Progress, linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import NORMS
 from celltrain.stability.result import Mode, Stability, TransientMode
 from celltrain.stability.spectrum import BlockSpectrum, block_spectrum, numerical_abscissa
-from celltrain.steady import Base, NotConverged, steady
-
-# How many degrees more the estimate of the resolution's error takes.
-MORE_DEGREES = 2
-
-
-def check_linearisable(train: Train, azimuthal_numbers: Sequence[int] | None) -> None:
-    """See to it that the linear dynamics of a train can be had, before anything is computed.
-
-    A train that has no degree yet may get any, so its azimuthal numbers are held to the largest.
-
-    **Raises:** `CaseError` for an azimuthal number out of range.
-    """
-    if azimuthal_numbers is None:
-        return
-    degree = train.resolution.degree
-    most = LARGEST_DEGREE if degree is None else degree
-    wrong = [m for m in azimuthal_numbers if not isinstance(m, int) or not 0 <= m <= most]
-    if wrong or not azimuthal_numbers:
-        given = ", ".join(str(m) for m in wrong) or "none"
-        raise CaseError(
-            f"azimuthal_numbers = {given} is not allowed; allowed: whole numbers from 0 to the"
-            f" degree, {'at most ' if degree is None else ''}{most}"
-        )
+from celltrain.steady import Base
+from celltrain.steady.base import IterationProgress
+from celltrain.steady.solve import with_velocity_error
 
 
 def stability(
-    base: Base,
+    start: Train | Base,
     *,
+    accuracy: float = ACCURACY,
     azimuthal_numbers: Sequence[int] | None = None,
     estimate_error: bool = True,
     progress: Progress | None = None,
+    iteration: IterationProgress | None = None,
+    tell: Tell | None = None,
 ) -> Stability:
     """The linear dynamics of a train of N cells about its steady state.
 
@@ -56,62 +45,91 @@ def stability(
 
     **Arguments:**
 
-    - `base`: from `steady`; it must be converged.
-    - `azimuthal_numbers`: those to compute, 0 to M; all if not given. Few cost as much as all, up
-      to the eigenvalues.
-    - `estimate_error`: repeat the leading eigenvalue with two degrees more.
-    - `progress`: called with (wave numbers done, all).
+    - `start`: a case, or a steady train. The degree of a case that has none rises (12, 16, 20, 24,
+      32, 40, 48) until alpha is known to the accuracy; otherwise it is what it is.
+    - `accuracy`: of alpha, relative; where that is less, 1e-4 U/r0 are enough.
+    - `azimuthal_numbers`: those to compute, 0 to M; all if not given.
+    - `estimate_error`: of a given degree, by the abscissas at higher ones.
+    - `progress`: called with (azimuthal numbers done, all); `iteration` with every iteration of the
+      steady train; `tell` with what is being done.
 
-    **Returns:** a `Stability`.
+    **Returns:** a `Stability`; its `error_estimate` is what the measured changes with the degree
+    leave.
 
-    **Raises:** `CaseError` for an azimuthal number out of range.
+    **Raises:** `CaseError` for what is not allowed, `NotConverged` if there is no steady train.
     """
-    forget_many_programs()
     begin = time.perf_counter()
-    train = base.train
-    degree, cells = train.degree, train.cells
+    train = start.train if isinstance(start, Base) else start
     check_linearisable(train, azimuthal_numbers)
-    numbers = tuple(range(degree + 1) if azimuthal_numbers is None else azimuthal_numbers)
-    waves = np.arange(cells // 2 + 1)
-    timings = dict(base.seconds)
-    blocks = linear_blocks(
-        train,
-        base.coefficients,
-        2.0 * np.pi * waves / cells,
-        numbers,
-        progress=progress,
-        seconds=timings,
-    )
-
+    asked = NUMBERS if azimuthal_numbers is None else azimuthal_numbers
+    ladder = AbscissaLadder(start, [m for m in asked if m in NUMBERS] or asked)
+    timings: dict[str, float] = {}
+    while True:
+        with timed(timings, "degree"):
+            convergence = ladder.resolved(
+                accuracy, estimate_error=estimate_error, iteration=iteration, tell=tell
+            )
+            base = ladder.base(convergence.degree)
+        spectra = _spectra(base, azimuthal_numbers, timings, progress)
+        leading = next(mode for mode in spectra.modes if not mode.neutral)
+        if leading.azimuthal_number in ladder.numbers:
+            break
+        # A mode that was not looked at leads: the degree has to follow it, too.
+        ladder.look_at(leading.azimuthal_number)
+    if math.isnan(base.velocity_error):
+        base = with_velocity_error(base)
     with timed(timings, "spectrum"):
-        spectra = {
-            m: [block_spectrum(blocks[m][j], neutral_space(base, m, int(j))) for j in waves]
-            for m in numbers
-        }
-        modes = _sorted_modes(spectra, cells)
-        leading = next(mode for mode in modes if not mode.neutral)
-        abscissas, transient = _transient(base, blocks)
-    error = float("nan")
-    if estimate_error:
-        with timed(timings, "error_estimate"):
-            error = _resolution_error(base, leading)
-    timings["total"] = time.perf_counter() - begin + sum(base.seconds.values())
+        abscissas, transient = _transient(base, spectra.blocks)
+    timings |= {name: base.seconds.get(name, 0.0) for name in ("base", "velocity_error")}
+    timings["total"] = time.perf_counter() - begin
+    each = spectra.by_number
     return Stability(
         base=base,
-        azimuthal_numbers=numbers,
-        wave_numbers=waves,
-        blocks=blocks,
-        eigenvalues={m: np.stack([s.eigenvalues for s in each]) for m, each in spectra.items()},
-        right_vectors={m: np.stack([s.right for s in each]) for m, each in spectra.items()},
-        left_vectors={m: np.stack([s.left for s in each]) for m, each in spectra.items()},
-        modes=modes,
+        azimuthal_numbers=tuple(each),
+        wave_numbers=np.arange(base.train.cells // 2 + 1),
+        blocks=spectra.blocks,
+        eigenvalues={m: np.stack([s.eigenvalues for s in found]) for m, found in each.items()},
+        right_vectors={m: np.stack([s.right for s in found]) for m, found in each.items()},
+        left_vectors={m: np.stack([s.left for s in found]) for m, found in each.items()},
+        modes=spectra.modes,
         spectral_abscissa=leading.growth_rate,
         numerical_abscissa=abscissas["paper"],
         numerical_abscissas=abscissas,
-        error_estimate=error,
+        error_estimate=convergence.error,
+        convergence=convergence,
         transient=transient,
         seconds=timings,
     )
+
+
+@dataclass(frozen=True)
+class _Spectra:
+    """Blocks and spectra of a train by azimuthal number, and all modes in order."""
+
+    blocks: Blocks
+    by_number: dict[int, list[BlockSpectrum]]
+    modes: tuple[Mode, ...]
+
+
+def _spectra(
+    base: Base,
+    azimuthal_numbers: Sequence[int] | None,
+    timings: dict[str, float],
+    progress: Progress | None,
+) -> _Spectra:
+    degree, cells = base.train.degree, base.train.cells
+    numbers = tuple(range(degree + 1) if azimuthal_numbers is None else azimuthal_numbers)
+    check_linearisable(base.train, numbers)
+    waves = range(cells // 2 + 1)
+    with timed(timings, "linearise"):
+        phases = [2.0 * np.pi * j / cells for j in waves]
+        blocks = linear_blocks(base, phases, numbers, progress=progress)
+    with timed(timings, "spectrum"):
+        spectra = {
+            m: [block_spectrum(blocks[m][j], neutral_space(base, m, j)) for j in waves]
+            for m in numbers
+        }
+    return _Spectra(blocks, spectra, _sorted_modes(spectra, cells))
 
 
 def _sorted_modes(spectra: dict[int, list[BlockSpectrum]], cells: int) -> tuple[Mode, ...]:
@@ -143,38 +161,16 @@ def _transient(base: Base, blocks: Blocks) -> tuple[dict[str, float], TransientM
     abscissas: dict[str, float] = {}
     optimal: TransientMode | None = None
     for norm in NORMS:
-        candidates = []
+        best: TransientMode | None = None
         for m, gram in norm.grams(base.coefficients, tuple(blocks)).items():
             for wave, block in enumerate(blocks[m]):
                 rate, vector = numerical_abscissa(block, gram)
-                candidates.append(TransientMode(rate, m, wave, vector))
-        best = max(candidates, key=lambda each: each.growth_rate)
+                if best is None or rate > best.growth_rate:
+                    best = TransientMode(rate, m, wave, vector)
+        assert best is not None
         abscissas[norm.name] = best.growth_rate
         if norm.name == "paper":
             optimal = best
     assert optimal is not None
     return abscissas, optimal
 
-
-def _resolution_error(base: Base, leading: Mode) -> float:
-    """Change of the largest growth rate of the leading m and q by two more degrees.
-
-    Not a number if the finer train cannot be had.
-    """
-    train = base.train
-    try:
-        # Grids chosen by hand may be too coarse for a higher degree.
-        finer = train.changed(degree=train.degree + MORE_DEGREES)
-        nearby = steady(finer, start=base, estimate_error=False)
-    except (CaseError, NotConverged):
-        return float("nan")
-    m, wave = leading.azimuthal_number, leading.wave_number
-    q = np.array([2.0 * np.pi * wave / train.cells])
-    block = linear_blocks(finer, nearby.coefficients, q, [m])[m][0]
-    spectrum = block_spectrum(block, neutral_space(nearby, m, wave))
-    rates = [
-        value.real
-        for value, kind in zip(spectrum.eigenvalues, spectrum.kinds, strict=True)
-        if not kind
-    ]
-    return abs(leading.growth_rate - max(rates))

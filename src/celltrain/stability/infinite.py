@@ -12,14 +12,10 @@ vanishes as q does (`distance_to_uniform`; at D = 6, packing 0.2, M = 12: 0.005 
 that is set aside. For small q it is a wave of the cells' spacing with an eigenvalue close to 0
 (-3.5e-4 q^2 + 0.0012 i q in the same case): alpha_0(q) goes to 0 with q, alpha_0(0) is the next
 mode's. So an infinite train is never better than marginal: if nothing grows, the most unstable wave
-is the longest one looked at. Waves with 0 < q < 0.001 are not: what the sums are cut off by makes
-fluid pass the wall, for which a wave of m = 0 makes up by an axial flow that grows as 1/q (relative
-errors of A_0(q) at the usual tolerance: 1e-5 at q = 0.001, 1e-3 at 1e-5; a hundredth of that at a
-tolerance of 1e-9). For m > 0 there is no such limit.
+is the longest one looked at, q = 0.001.
 
-Between the samples A_m(q) is a cubic spline, across q = 0 and pi by A_m(-q) = conj A_m(q). The best
-growth rate on it is found by a search in small steps and bounded optimisation; the dynamics there
-is then computed anew. So an optimum is exact for its q, whose own error matters in second order.
+The growth rate's maximum is sought about the best samples, by bounded optimisation of the exact
+alpha_m(q).
 """
 
 import time
@@ -30,25 +26,31 @@ import numpy as np
 import scipy.optimize
 import xarray as xr
 from jaxtyping import Complex, Float
-from scipy.interpolate import CubicSpline
 
-from celltrain.parameters import CaseError
-from celltrain.stability.analysis import check_linearisable
+from celltrain.parameters import CaseError, Train
+from celltrain.stability.convergence import (
+    ACCURACY,
+    NUMBERS,
+    AbscissaLadder,
+    Tell,
+    check_linearisable,
+)
 from celltrain.stability.coordinates import normed_block
-from celltrain.stability.linearise import Blocks, Progress, linear_blocks
+from celltrain.stability.linearise import LinearDynamics, Progress, linear_blocks, smallest
 from celltrain.stability.neutral import NeutralSpace, neutral_space
 from celltrain.stability.norms import Norm, PaperNorm
 from celltrain.stability.spectrum import block_spectrum
 from celltrain.steady import Base
+from celltrain.steady.base import IterationProgress
+from celltrain.steady.degree import Convergence
+from celltrain.steady.solve import with_velocity_error
 
-#: Azimuthal numbers of the modes that matter in all trains tried.
-NUMBERS = (0, 1, 2, 3)
 SAMPLES = 17
 #: Smallest phase but 0 for which the dynamics is accurate.
 SMALLEST = 1e-3
-# Steps of the search between two samples, and the tolerance of q at its end.
-STEPS = 8
-PHASE_TOLERANCE = 1e-6
+# Local maxima of the samples about which the most unstable wave is sought, and its tolerance.
+MOST_PEAKS = 3
+PHASE_TOLERANCE = 1e-5
 
 Phases = Float[np.ndarray, " phase"]
 
@@ -74,7 +76,9 @@ class InfiniteTrain:
 
     `leading` holds for each m one mode for each q; `numerical_abscissas` for each m the largest
     initial growth rates in the norm (see `coordinates` for what it does about neutral modes).
-    `most_unstable` is the best of all q, by optimisation, not of the samples only.
+    `most_unstable` is the best of all q, by optimisation, not of the samples only;
+    `error_estimate` the error of the largest growth rate by `convergence`, that rate at several
+    degrees (not a number, and empty, if that was not asked for).
     """
 
     base: Base
@@ -83,6 +87,8 @@ class InfiniteTrain:
     leading: dict[int, tuple[WaveMode, ...]]
     numerical_abscissas: dict[int, Phases]
     most_unstable: WaveMode
+    error_estimate: float
+    convergence: Convergence
     seconds: dict[str, float]
 
     @property
@@ -151,12 +157,16 @@ class InfiniteTrain:
 
 
 def infinite_train(
-    base: Base,
+    start: Train | Base,
     *,
     phases: Sequence[float] | Phases | None = None,
     azimuthal_numbers: Sequence[int] = NUMBERS,
     norm: Norm | None = None,
+    accuracy: float = ACCURACY,
+    estimate_error: bool = True,
     progress: Progress | None = None,
+    iteration: IterationProgress | None = None,
+    tell: Tell | None = None,
 ) -> InfiniteTrain:
     """Growth rates of an infinite train over the phase q, and the most unstable wave.
 
@@ -164,27 +174,40 @@ def infinite_train(
 
     **Arguments:**
 
-    - `base`: the steady train; its number of cells does not matter.
+    - `start`: a case or a steady train; the number of cells does not matter. The degree of a case
+      that has none rises as in `stability`.
     - `phases`: q in radians per cell, rising, 0 or from 0.001 to pi; 17 in equal steps from 0
       to pi if not given.
     - `azimuthal_numbers`: m, each from 0 to the degree.
     - `norm`: of eta_m(q); that of the paper, Eq. (8), if not given.
-    - `progress`: called with (phases done, all).
+    - `accuracy`, `estimate_error`, `iteration`, `tell`: as for `stability`; the error is that of
+      the largest growth rate at the phases looked at.
+    - `progress`: called with (azimuthal numbers done, all).
 
     **Returns:** an `InfiniteTrain`.
 
-    **Raises:** `CaseError` for phases or azimuthal numbers that are not allowed.
+    **Raises:** `CaseError` for phases or azimuthal numbers that are not allowed; `NotConverged` if
+    there is no steady train.
     """
     begin = time.perf_counter()
     numbers = tuple(azimuthal_numbers)
-    check_linearisable(base.train, numbers)
+    check_linearisable(start if isinstance(start, Train) else start.train, numbers)
     samples = np.linspace(0.0, np.pi, SAMPLES) if phases is None else np.array(phases)
     check_phases(samples)
     norm = PaperNorm() if norm is None else norm
-    seconds: dict[str, float] = {}
-    blocks = linear_blocks(
-        base.train, base.coefficients, samples, numbers, seconds=seconds, progress=progress
+    ladder = AbscissaLadder(start, numbers, [float(q) for q in samples])
+    convergence = ladder.resolved(
+        accuracy, estimate_error=estimate_error, iteration=iteration, tell=tell
     )
+    base = with_velocity_error(ladder.base(convergence.degree))
+    dynamics = LinearDynamics(
+        base, largest_azimuthal_number=max(numbers), smallest_phase=smallest(samples)
+    )
+    blocks = {}
+    for done, m in enumerate(numbers, 1):
+        blocks[m] = dynamics.blocks(m, samples)
+        if progress is not None:
+            progress(done, len(numbers))
     leading = {
         m: tuple(_leading(base, m, float(q), blocks[m][i]) for i, q in enumerate(samples))
         for m in numbers
@@ -198,16 +221,18 @@ def infinite_train(
         )
         for m, gram in norm.grams(base.coefficients, numbers).items()
     }
-    best = max((mode for each in leading.values() for mode in each), key=lambda w: w.growth_rate)
-    if len(samples) > 1:
-        m, q = _best_between(base, samples, blocks)
-        # All azimuthal numbers: their programs are compiled already.
-        again = linear_blocks(
-            base.train, base.coefficients, np.array([q]), numbers, seconds=seconds
-        )
-        best = max(best, _leading(base, m, q, again[m][0]), key=lambda mode: mode.growth_rate)
-    seconds["total"] = time.perf_counter() - begin
-    return InfiniteTrain(base, norm.name, samples, leading, abscissas, best, seconds)
+    best = _most_unstable(dynamics, samples, leading)
+    return InfiniteTrain(
+        base=base,
+        norm=norm.name,
+        phases=samples,
+        leading=leading,
+        numerical_abscissas=abscissas,
+        most_unstable=best,
+        error_estimate=convergence.error,
+        convergence=convergence,
+        seconds={**base.seconds, "total": time.perf_counter() - begin},
+    )
 
 
 def distance_to_uniform(
@@ -217,7 +242,7 @@ def distance_to_uniform(
 ) -> dict[int, Phases]:
     """|A_m(q) - A_m(0)|/|A_m(0)|, 2-norms, for each m and each q (radians per cell)."""
     places = np.array([0.0, *phases])
-    blocks = linear_blocks(base.train, base.coefficients, places, azimuthal_numbers)
+    blocks = linear_blocks(base, places, azimuthal_numbers)
     return {
         m: np.linalg.norm(each[1:] - each[0], 2, axis=(1, 2)) / np.linalg.norm(each[0], 2)
         for m, each in blocks.items()
@@ -258,37 +283,32 @@ def _leading(base: Base, m: int, q: float, block: Complex[np.ndarray, "size size
     )
 
 
-def _best_between(base: Base, phases: Phases, blocks: Blocks) -> tuple[int, float]:
-    """Azimuthal number and phase of the largest growth rate on the splines through the samples."""
-    count = len(phases)
-    steps = np.interp(np.arange(STEPS * (count - 1) + 1) / STEPS, np.arange(count), phases)
-    steps = steps[(steps == 0.0) | (steps >= SMALLEST)]
-    best, place = -np.inf, (0, 0.0)
-    for m, samples in blocks.items():
-        spline = _spline(phases, samples)
+def _most_unstable(
+    dynamics: LinearDynamics, samples: Phases, leading: dict[int, tuple[WaveMode, ...]]
+) -> WaveMode:
+    """The fastest growing mode of all phases, by a search about the best samples."""
+    peaks = []
+    for m, modes in leading.items():
+        rates = np.array([mode.growth_rate for mode in modes])
+        padded = np.concatenate([[-np.inf], rates, [-np.inf]])
+        peaks += [
+            (rates[i], m, i)
+            for i in range(len(rates))
+            if padded[i] <= rates[i] >= padded[i + 2] and len(rates) > 1
+        ]
+    best = max((mode for each in leading.values() for mode in each), key=lambda w: w.growth_rate)
+    for _, m, place in sorted(peaks, reverse=True)[:MOST_PEAKS]:
+        low = max(float(samples[max(place - 1, 0)]), SMALLEST)
+        high = float(samples[min(place + 1, len(samples) - 1)])
 
-        def decay(q: float, m: int = m, spline: CubicSpline = spline) -> float:
-            return -_leading(base, m, q, spline(q)).growth_rate
+        def mode(q: float, m: int = m) -> WaveMode:
+            return _leading(dynamics.base, m, q, dynamics.blocks(m, [q])[0])
 
-        index = int(np.argmin([decay(float(q)) for q in steps]))
-        low, high = steps[max(index - 1, 0)], steps[min(index + 1, len(steps) - 1)]
         found = scipy.optimize.minimize_scalar(
-            decay,
-            bounds=(min(max(low, SMALLEST), high), high),
+            lambda q: -mode(float(q)).growth_rate,  # noqa: B023
+            bounds=(low, high),
             method="bounded",
             options={"xatol": PHASE_TOLERANCE},
         )
-        # The optimiser never looks at the ends themselves.
-        for q in (float(found.x), float(steps[index])):
-            if -decay(q) > best:
-                best, place = -decay(q), (m, q)
-    return place
-
-
-def _spline(phases: Phases, samples: Complex[np.ndarray, "phase size size"]) -> CubicSpline:
-    """A_m(q) from -pi to 2 pi."""
-    mirrored = np.concatenate([samples[::-1].conj(), samples, samples[::-1].conj()])
-    places, first = np.unique(
-        np.concatenate([-phases[::-1], phases, 2.0 * np.pi - phases[::-1]]), return_index=True
-    )
-    return CubicSpline(places, mirrored[first])
+        best = max(best, mode(float(found.x)), key=lambda each: each.growth_rate)
+    return best

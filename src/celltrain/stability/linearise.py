@@ -59,9 +59,18 @@ class LinearDynamics:
         """A_m(q) for phases q in radians per cell, in `azimuthal_basis(degree, m)`, U/r0."""
         phases = [float(q) for q in phases]
         found = self._flow.blocks(m, phases)
+        for place, q in enumerate(phases):
+            if q == 0.0 or q == np.pi:
+                # Of waves that are their own mirror images the dynamics is real.
+                found[place].imag = 0.0
         if self._layer is None:
             return found
         return np.linalg.solve(self._layer.equation(m, phases, self._ratio), found)
+
+
+def smallest(phases: Sequence[float] | np.ndarray) -> float:
+    """The smallest phase q > 0 that the sums over images have to serve."""
+    return min([*(abs(float(q)) for q in phases if q != 0.0), SMALLEST_PHASE])
 
 
 def linear_blocks(
@@ -85,11 +94,10 @@ def linear_blocks(
     column of a disturbance holds its rate of change; `A_m(-q)` is the complex conjugate of
     `A_m(q)`.
     """
-    moving = [abs(q) for q in phases if q != 0.0]
     dynamics = LinearDynamics(
         base,
         largest_azimuthal_number=max(azimuthal_numbers),
-        smallest_phase=min([*moving, SMALLEST_PHASE]),
+        smallest_phase=smallest(phases),
         rules=rules,
     )
     found: Blocks = {}

@@ -8,6 +8,7 @@ from jaxtyping import Complex, Float, Int
 
 from celltrain.harmonics import azimuthal_basis
 from celltrain.steady import Base
+from celltrain.steady.degree import Convergence
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,8 @@ class Stability:
 
     Dictionaries are keyed by the azimuthal number m; arrays have one entry for each of the wave
     numbers j = 0 ... N/2. `spectral_abscissa` is the largest growth rate of a mode that is not
-    neutral by symmetry; `error_estimate` how much two more degrees of the discretisation change
-    it. `numerical_abscissas` holds the numerical abscissa in every norm offered. `error_bars` are
+    neutral by symmetry, and `error_estimate` its error by `convergence`, the abscissas at several
+    degrees (not a number, and none, if that was not asked for). `numerical_abscissas` holds the numerical abscissa in every norm offered. `error_bars` are
     those of the leading modes, if they were asked for.
     """
 
@@ -82,6 +83,7 @@ class Stability:
     numerical_abscissa: float
     numerical_abscissas: dict[str, float]
     error_estimate: float
+    convergence: Convergence
     transient: TransientMode
     seconds: dict[str, float]
     error_bars: tuple[ErrorBar, ...] = ()

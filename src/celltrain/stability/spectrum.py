@@ -40,7 +40,7 @@ def block_spectrum(block: Complex[np.ndarray, "size size"], neutral: NeutralSpac
     full = scipy.linalg.qr(removed)[0] if neutral.count else np.eye(len(block))
     rest = full[:, neutral.count :]
     inner = rest.T @ block @ rest
-    values, left, right = scipy.linalg.eig(inner, left=True, right=True)
+    values, left, right = scipy.linalg.eig(_plain(inner), left=True, right=True)
     # Back to all disturbances: a part along r and t on the right, along n on the left.
     full_right = rest @ right + neutral.right @ (neutral.right.T @ block @ rest @ right / values)
     full_left = rest @ left
@@ -70,6 +70,24 @@ def block_spectrum(block: Complex[np.ndarray, "size size"], neutral: NeutralSpac
         full_left[:, order].astype(complex),
         tuple(kinds[i] for i in order),
     )
+
+
+def growing_eigenvalues(
+    block: Complex[np.ndarray, "size size"], neutral: NeutralSpace
+) -> Complex[np.ndarray, " rest"]:
+    """The eigenvalues that are not neutral, by falling growth rate, without vectors."""
+    block = deflated(block, neutral)
+    known = [neutral.right] if neutral.volume is None else [neutral.right, neutral.volume[:, None]]
+    if neutral.count:
+        rest = scipy.linalg.qr(np.concatenate(known, axis=1))[0][:, neutral.count :]
+        block = rest.T @ block @ rest
+    values = scipy.linalg.eigvals(_plain(block))
+    return values[np.argsort(-values.real, kind="stable")]
+
+
+def _plain(block: Complex[np.ndarray, "size size"]) -> np.ndarray:
+    """A block without imaginary part as a real matrix: a quarter of the work."""
+    return block.real if not block.imag.any() else block
 
 
 def numerical_abscissa(

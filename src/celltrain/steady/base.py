@@ -1,5 +1,6 @@
 """The steady train: what a base flow is, and what is known about how it was reached."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,6 +23,10 @@ class Iteration:
     residual: float
     step: float
     cell_velocity: float
+
+
+#: Called after every iteration.
+IterationProgress = Callable[[Iteration], None]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ lower what is to vanish, by a small part of what they promise (Armijo's rule).
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,7 +14,7 @@ import numpy as np
 
 from celltrain.harmonics import Profile
 from celltrain.meridian.geometry import meridian_points
-from celltrain.steady.base import Iteration
+from celltrain.steady.base import Iteration, IterationProgress
 from celltrain.steady.problem import SteadyProblem, SteadyState, change_of_profile
 
 FIRST_STEP = 0.3
@@ -35,7 +34,6 @@ STANDING = 0.5
 # ... if it is below this, in U.
 ROUNDING = 1e-7
 
-Progress = Callable[[Iteration], None]
 Outcome = Literal["steady", "standing", "iterations", "step", "overlap", "no number"]
 
 
@@ -59,7 +57,7 @@ def march(
     *,
     tolerance: float,
     most: int,
-    progress: Progress | None = None,
+    progress: IterationProgress | None = None,
 ) -> Iterated:
     """From a shape to the steady train that its own dynamics reaches.
 
@@ -110,7 +108,7 @@ def newton(
     *,
     tolerance: float,
     most: int,
-    progress: Progress | None = None,
+    progress: IterationProgress | None = None,
     state: SteadyState | None = None,
 ) -> Iterated:
     """Newton's method with a line search from a shape near a steady one (`state`, if known).

@@ -11,8 +11,8 @@ import numpy as np
 
 from celltrain.harmonics import Profile
 from celltrain.parameters import Train
-from celltrain.steady.base import Iteration
-from celltrain.steady.iterate import Iterated, Progress, newton
+from celltrain.steady.base import Iteration, IterationProgress
+from celltrain.steady.iterate import Iterated, newton
 from celltrain.steady.problem import SteadyProblem
 
 #: Shortest step, as a part of the whole path.
@@ -40,7 +40,7 @@ def follow(
     tolerance: float,
     most: int,
     first: float = 1.0,
-    progress: Progress | None = None,
+    progress: IterationProgress | None = None,
 ) -> Followed:
     """The steady train of `end`, from that of `begin` with the given profile.
 

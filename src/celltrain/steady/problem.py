@@ -19,7 +19,7 @@ from jaxtyping import Float
 from celltrain.harmonics import Profile, profile_of
 from celltrain.membrane import meridian_membrane
 from celltrain.meridian.geometry import largest_radius, streamwise_gap
-from celltrain.meridian.rules import TOLERANCE, Rules, choose_rules
+from celltrain.meridian.rules import Rules, choose_rules
 from celltrain.meridian.train import ALIKE, TrainFlow
 from celltrain.parameters import Train
 
@@ -91,26 +91,28 @@ class SteadyState:
 class SteadyProblem:
     """The steady equations of a train, whose degree is known.
 
+    **Arguments:** `finer`: finer rules than those that a shape asks for, for estimates of error.
+
     **Raises:** `CaseError` if there is no shape of the cell's reduced volume.
     """
 
-    def __init__(self, train: Train, *, tolerance: float = TOLERANCE) -> None:
+    def __init__(self, train: Train, *, finer: bool = False) -> None:
         self.train = train
         self.degree = train.degree
         self.membrane = meridian_membrane(train)
         self.rest = self.membrane.rest_profile
         self.target_volume = self.membrane.volume(self.rest)
-        self._tolerance = tolerance
+        self._finer = finer
 
     def rules(self, profile: Profile) -> Rules:
-        """The rules that a shape asks for; sizes given in the case are taken as they are."""
-        return choose_rules(
+        """The rules that a shape asks for."""
+        rules = choose_rules(
             profile,
             period=self.train.period,
             radius=self.train.radius,
             targets=self.train.sizes.target_order,
-            tolerance=self._tolerance,
         )
+        return rules.finer() if self._finer else rules
 
     def fits(self, profile: Profile) -> bool:
         """Whether a cell of this shape is clear of the wall and of its neighbours."""

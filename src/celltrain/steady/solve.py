@@ -6,7 +6,6 @@ tube, with more room between the cells (`path.follow`).
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,8 +14,9 @@ from celltrain.clock import timed
 from celltrain.harmonics import Profile, coefficients_of
 from celltrain.meridian.geometry import largest_radius, size_at_rest, streamwise_gap
 from celltrain.parameters import CaseError, Train
-from celltrain.steady.base import Base, Iteration, NotConverged
-from celltrain.steady.iterate import Iterated, Progress, march, newton
+from celltrain.steady.base import Base, IterationProgress, NotConverged
+from celltrain.steady.degree import DEGREES, raised
+from celltrain.steady.iterate import Iterated, march, newton
 from celltrain.steady.path import Followed, change_degree, follow
 from celltrain.steady.problem import SteadyProblem, SteadyState
 from celltrain.steady.room import check_room
@@ -25,8 +25,8 @@ TOLERANCE = 1e-9
 MOST_ITERATIONS = 400
 #: The march from rest is of this degree at most; higher degrees follow from it.
 MARCH_DEGREE = 12
-#: Degrees through which a train of a high degree is reached, if it is not at once.
-DEGREES = (12, 16, 20, 24, 32, 40, 48)
+#: How well the cells' velocity is known, in U, where the degree is left open.
+KNOWN_VELOCITY = 1e-4
 # Where a detour begins: tubes and periods, relative to the cell at rest, in which the march is easy.
 EASY_DIAMETER, EASY_PERIOD = 1.5, 2.0
 # What is reported of the velocity's error over the largest difference found.
@@ -40,14 +40,14 @@ def steady(
     tolerance: float = TOLERANCE,
     max_iterations: int = MOST_ITERATIONS,
     estimate_error: bool = True,
-    progress: Progress | None = None,
+    progress: IterationProgress | None = None,
 ) -> Base:
     """The steady train that the flow reaches from rest, or from another steady train.
 
     **Arguments:**
 
-    - `train`: what to compute; the number of cells does not matter here. A train without a degree
-      gets one, 12 or the next at which the cells' velocity is known to 1e-4 U.
+    - `train`: what to compute; the number of cells does not matter here. Without a degree it gets
+      the first at which the cells' velocity is known to 1e-4 U.
     - `start`: a solution at other parameters, followed to these ones. Its degree may differ.
     - `tolerance`: bound on the residual, in U. Where rounding does not let it be reached, the
       residual that stands is accepted below 1e-7 U, and reported.
@@ -60,7 +60,8 @@ def steady(
     cell cannot pass the tube, or there is no room for the cells.
     """
     if train.resolution.degree is None:
-        return _at_some_degree(train, start, tolerance, max_iterations, estimate_error, progress)
+        base = _at_enough_degrees(train, start, tolerance, max_iterations, progress)
+        return with_velocity_error(base) if estimate_error else base
     seconds: dict[str, float] = {}
     with timed(seconds, "base"):
         check_room(train)
@@ -74,10 +75,37 @@ def steady(
     base = replace(base, seconds=seconds)
     if not followed.complete:
         raise NotConverged(_complaint(train, followed, tolerance, max_iterations), base)
-    if estimate_error:
-        with timed(seconds, "velocity_error"):
-            base = replace(base, velocity_error=velocity_error(followed.iterated.state))
-    return base
+    return with_velocity_error(base) if estimate_error else base
+
+
+def _at_enough_degrees(
+    train: Train,
+    start: Base | None,
+    tolerance: float,
+    most: int,
+    progress: IterationProgress | None,
+) -> Base:
+    """The train at the first degree at which its velocity is known to `KNOWN_VELOCITY`."""
+    bases: list[Base] = []
+
+    def velocity(degree: int) -> float:
+        if bases:
+            bases.append(at_degree(bases[-1], degree, progress=progress))
+        else:
+            bases.append(
+                steady(
+                    train.changed(degree=degree),
+                    start=start,
+                    tolerance=tolerance,
+                    max_iterations=most,
+                    estimate_error=False,
+                    progress=progress,
+                )
+            )
+        return bases[-1].cell_velocity
+
+    raised(velocity, lambda found: found.left <= KNOWN_VELOCITY)
+    return bases[-1]
 
 
 @dataclass
@@ -86,7 +114,7 @@ class _Search:
 
     tolerance: float
     left: int
-    progress: Progress | None
+    progress: IterationProgress | None
 
     def _counted(self, followed: Followed) -> Followed:
         self.left -= len(followed.iterated.history)
@@ -115,10 +143,13 @@ class _Search:
         same = train.changed(degree=start.train.degree, **_no_sizes(train))
         if start.train.degree == train.degree:
             same = train
-        followed = self._follow(start.train, start.profile, same)
-        if not followed.complete or same == train:
-            return followed
-        return _joined(followed, self._to_degree(same, followed.iterated.state.profile, train))
+        profile = start.profile
+        if same == train or not _alike(start.train, same):
+            followed = self._follow(start.train, profile, same)
+            if not followed.complete or same == train:
+                return followed
+            profile = followed.iterated.state.profile
+        return self._to_degree(same, profile, train)
 
     def _march(self, train: Train) -> Followed:
         problem = SteadyProblem(train)
@@ -172,6 +203,12 @@ def _no_sizes(train: Train) -> dict[str, None]:
     return dict.fromkeys(names)
 
 
+def _alike(one: Train, other: Train) -> bool:
+    """Whether two cases have the same steady train."""
+    still = {"cells": 1, "viscosity_ratio": 1.0}
+    return one.changed(**still).leaves() == other.changed(**still).leaves()
+
+
 def _joined(first: Followed, then: Followed) -> Followed:
     history = (*first.iterated.history, *then.iterated.history)
     return replace(then, iterated=replace(then.iterated, history=history))
@@ -187,21 +224,42 @@ def easier(train: Train) -> Train | None:
     return train.changed(diameter=wide, packing=sparse)
 
 
-def velocity_error(state: SteadyState) -> float:
-    """What grids and rules leave of the velocity on the cells, relative to the largest.
+def with_velocity_error(base: Base) -> Base:
+    """The same train with an estimate of what grids and rules leave of the cells' velocity.
 
-    The largest difference from the rates of change with finer rules, times a margin.
+    The largest difference from the rates of change with finer rules, relative to the largest rate
+    and times a margin.
     """
-    flow = state.flow
-    finer = type(flow)(
-        flow.membrane,
-        flow.profile,
-        radius=flow.radius,
-        period=flow.period,
-        rules=flow.rules.finer(),
-    )
-    change = np.linalg.norm(finer.at_targets(flow.rates - finer.rates), axis=1).max()
-    return MARGIN * float(change / np.linalg.norm(finer.at_targets(finer.rates), axis=1).max())
+    seconds = dict(base.seconds)
+    with timed(seconds, "velocity_error"):
+        flow = SteadyProblem(base.train).flow(base.profile)
+        finer = SteadyProblem(base.train, finer=True).flow(base.profile)
+        change = np.linalg.norm(finer.at_targets(flow.rates - finer.rates), axis=1).max()
+        largest = np.linalg.norm(finer.at_targets(finer.rates), axis=1).max()
+    return replace(base, velocity_error=MARGIN * float(change / largest), seconds=seconds)
+
+
+def with_finer_rules(base: Base) -> Base:
+    """The same train at the same degree with finer rules (of which the result knows nothing).
+
+    **Raises:** `NotConverged` if it is not found.
+    """
+    problem = SteadyProblem(base.train, finer=True)
+    found = newton(problem, base.profile, tolerance=TOLERANCE, most=MOST_ITERATIONS)
+    described = describe(problem, found, base.origin)
+    if not found.steady:
+        raise NotConverged("no steady train with finer rules", described)
+    return described
+
+
+def at_degree(base: Base, degree: int, *, progress: IterationProgress | None = None) -> Base:
+    """The same train at another degree, without an estimate of the velocity's error.
+
+    **Raises:** `NotConverged` if it is not found, `CaseError` if the case does not allow it.
+    """
+    train = base.train.changed(degree=degree)
+    found = steady(train, start=base, estimate_error=False, progress=progress)
+    return replace(found, history=base.history + found.history, origin=base.origin)
 
 
 def describe(problem: SteadyProblem, iterated: Iterated, origin: str) -> Base:

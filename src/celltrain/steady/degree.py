@@ -1,0 +1,69 @@
+"""Degrees that rise until a number is known, and what a sequence of them leaves open.
+
+A number x(M) converges faster than any power of 1/M once the degree M follows the shape, but not
+evenly: single changes may be small by chance. So what is left after the last degree is judged by
+all changes d_i = |x_i - x_(i-1)|, each carried on at the rate at which they are seen to fall, but at
+no better than `BEST_RATE` from one degree to the next,
+
+    left = rate/(1 - rate) max_i (d_i rate^(last - i)),   rate = within [BEST_RATE, WORST_RATE].
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+#: The degrees that are tried, one after another.
+DEGREES = (12, 16, 20, 24, 32, 40, 48)
+BEST_RATE, WORST_RATE = 0.4, 0.75
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """A number at several degrees, and which of them is taken; in the number's own unit."""
+
+    degree: int
+    degrees: tuple[int, ...] = ()
+    values: tuple[float, ...] = ()
+
+    @property
+    def left(self) -> float:
+        """What the last degree leaves open; not a number from a single degree."""
+        return remaining(self.values)
+
+    @property
+    def error(self) -> float:
+        """The error at the degree that is taken, by what the others tell."""
+        if len(self.values) < 2:
+            return math.nan
+        return abs(self.values[self.degrees.index(self.degree)] - self.values[-1]) + self.left
+
+
+def remaining(values: Sequence[float]) -> float:
+    """What a sequence leaves open (see the module); not a number for one value alone."""
+    changes = [abs(b - a) for a, b in zip(values[:-1], values[1:], strict=True)]
+    if not changes:
+        return math.nan
+    last = len(changes) - 1
+    rates = [b / a for a, b in zip(changes[:-1], changes[1:], strict=True) if a > 0.0]
+    rate = min(max(rates[-1], BEST_RATE), WORST_RATE) if rates else WORST_RATE
+    envelope = max(change * rate ** (last - place) for place, change in enumerate(changes))
+    return envelope * rate / (1.0 - rate)
+
+
+def higher(degree: int) -> tuple[int, ...]:
+    """The degrees of the ladder above one."""
+    return tuple(each for each in DEGREES if each > degree)
+
+
+def raised(
+    evaluate: Callable[[int], float], enough: Callable[[Convergence], bool], first: int = DEGREES[0]
+) -> Convergence:
+    """The degree raised from `first` until the values are enough, or there is none higher."""
+    degrees: tuple[int, ...] = ()
+    values: tuple[float, ...] = ()
+    for degree in (first, *higher(first)):
+        degrees, values = (*degrees, degree), (*values, evaluate(degree))
+        found = Convergence(degree, degrees, values)
+        if len(values) > 1 and enough(found):
+            break
+    return found
