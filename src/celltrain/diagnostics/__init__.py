@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from celltrain.diagnostics.ellipsoid import Ellipsoid, best_ellipsoid
     from celltrain.diagnostics.energy import ENERGY_PARTS, energy_parts, perturbation_energy
     from celltrain.diagnostics.fields import SurfaceFields, surface_fields
-    from celltrain.diagnostics.frame import frame
+    from celltrain.diagnostics.frames import frame
     from celltrain.diagnostics.moments import CellMoments, cell_moments
     from celltrain.diagnostics.rotation import CellMotion, cell_motion
     from celltrain.diagnostics.tension import isotropic_tension
@@ -67,7 +67,7 @@ _LATER = {
     "ellipsoid": ("Ellipsoid", "best_ellipsoid"),
     "energy": ("ENERGY_PARTS", "energy_parts", "perturbation_energy"),
     "fields": ("SurfaceFields", "surface_fields"),
-    "frame": ("frame",),
+    "frames": ("frame",),
     "moments": ("CellMoments", "cell_moments"),
     "rotation": ("CellMotion", "cell_motion"),
     "tension": ("isotropic_tension",),
