@@ -96,7 +96,7 @@ def branch(
     def dynamics(base: Base) -> Stability:
         return stability(base, azimuthal_numbers=NUMBERS, estimate_error=False)
 
-    def compute(base: Base, reporter: Reporter) -> Branch:
+    def compute(train: Train, start: Base | None, reporter: Reporter) -> Branch:
         def show(point: BranchPoint) -> None:
             reporter.log(f"{along} = {point.value:.6g}  {_numbers(point)}")
 

@@ -59,7 +59,7 @@ def search(
     def check(_: Train) -> None:
         check_tries(most_tries)
 
-    def compute(base: Base, reporter: Reporter) -> BranchSearch:
+    def compute(train: Train, start: Base | None, reporter: Reporter) -> BranchSearch:
         done: list[SearchTry] = []
 
         def show(each: SearchTry) -> None:

@@ -173,7 +173,7 @@ def _point(near: BoundaryPoint, values: Float[np.ndarray, "2"]) -> BoundaryPoint
 
 def _modes(base: Base, m: int, q: float) -> list[WaveMode]:
     """The modes of A_m(q) that are not neutral, by falling growth rate."""
-    block = linear_blocks(base.train, base.coefficients, np.array([q]), [m])[m][0]
+    block = linear_blocks(base, [q], [m])[m][0]
     spectrum = block_spectrum(block, neutral_space(base, m, 0 if q == 0.0 else 1))
     return [
         WaveMode(

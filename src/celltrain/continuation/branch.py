@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
@@ -25,15 +24,26 @@ from celltrain.continuation.arclength import (
     Unknowns,
     trace_curve,
 )
-from celltrain.continuation.equations import UNIT, evaluate_steady, to_unknowns
+from celltrain.continuation.equations import (
+    UNIT,
+    SteadyPoint,
+    evaluate_steady,
+    known_point,
+    to_unknowns,
+)
 from celltrain.parameters import CaseError, Train
-from celltrain.programs import forget_many_programs
 from celltrain.stability import Stability
 from celltrain.steady import Base, NotConverged, steady
-from celltrain.steady.sensitivity import rates_by_parameters
-from celltrain.steady.solve import comes_close
-from celltrain.steady.system import steady_system
-from celltrain.train import PARAMETERS, parameter_value, parameters_of, variation, with_parameter
+from celltrain.steady.parameters import (
+    PARAMETERS,
+    parameter_value,
+    parameters_of,
+    with_parameter,
+)
+from celltrain.steady.problem import SteadyProblem, change_of_profile
+from celltrain.steady.room import check_room
+from celltrain.steady.sensitivity import rates_by_parameter
+from celltrain.steady.varied import VariedTrain
 
 #: Parameters along which there are branches: steady trains do not depend on the viscosity ratio.
 ALONG = tuple(name for name in PARAMETERS if name != "viscosity_ratio")
@@ -162,15 +172,20 @@ def follow_branch(
     first = check_branch(start.train, parameter, to)
     steps = Steps() if steps is None else steps
     problem = _equations(parameter, first)
+    origin = f"branch along {parameter} from {first:g}"
     base = start
-    for point in trace_curve(problem, _unknowns(start), _towards(start, to - first), start, steps):
+    # (a/sqrt(4 pi), p/p0, c).
+    begin = np.insert(to_unknowns(start.profile), -1, 1.0)
+    towards = np.zeros_like(begin)
+    towards[-2] = np.sign(to - first)
+    for point in trace_curve(problem, begin, towards, known_point(start), steps):
         value = first * float(point.unknowns[-2])
         if (value - to) * (to - first) >= 0.0:
             yield _last(base, parameter, to, point, steps, analyse)
             return
         if (value - first) * (to - first) < -1e-9 * first**2:
             return
-        base = point.state
+        base = point.state.base(origin)
         yield _point(base, value, point, analyse)
 
 
@@ -183,7 +198,7 @@ def check_branch(train: Train, parameter: str, to: float) -> float:
     if parameter not in allowed:
         raise CaseError(f"parameter = {parameter!r} is not allowed; allowed: {', '.join(allowed)}")
     first = parameter_value(train, parameter)
-    with_parameter(train, parameter, to)
+    check_room(with_parameter(train, parameter, to))
     if to == first or first == 0.0:
         raise CaseError(
             f"to = {to:g} is not allowed: {parameter} is {first:g} at the start; allowed: another"
@@ -193,7 +208,7 @@ def check_branch(train: Train, parameter: str, to: float) -> float:
 
 
 def _point(
-    base: Base, value: float, point: CurvePoint[Base], analyse: Analysis | None
+    base: Base, value: float, point: CurvePoint[SteadyPoint], analyse: Analysis | None
 ) -> BranchPoint:
     found = None if analyse is None else analyse(base)
     return BranchPoint(base, value, float(point.tangent[-2]), found)
@@ -203,7 +218,7 @@ def _last(
     base: Base,
     parameter: str,
     to: float,
-    point: CurvePoint[Base],
+    point: CurvePoint[SteadyPoint],
     steps: Steps,
     analyse: Analysis | None,
 ) -> BranchPoint:
@@ -220,35 +235,22 @@ def _last(
     return _point(end, to, point, analyse)
 
 
-def _unknowns(base: Base) -> Unknowns:
-    """(a/sqrt(4 pi), p/p0, c)."""
-    system = steady_system(base.train, close=False)
-    return np.insert(to_unknowns(system, base.coefficients), -1, 1.0)
-
-
-def _towards(base: Base, sign: float) -> Unknowns:
-    direction = np.zeros_like(_unknowns(base))
-    direction[-2] = np.sign(sign)
-    return direction
-
-
-def _equations(parameter: str, first: float) -> Callable[[Unknowns, Base], Evaluation[Base]]:
+def _equations(
+    parameter: str, first: float
+) -> Callable[[Unknowns, SteadyPoint], Evaluation[SteadyPoint]]:
     """F, its derivatives, and the train that belongs to some unknowns."""
 
-    def evaluate(unknowns: Unknowns, near: Base) -> Evaluation[Base]:
-        value, names = first * float(unknowns[-2]), (parameter,)
+    def evaluate(unknowns: Unknowns, near: SteadyPoint) -> Evaluation[SteadyPoint]:
+        value = first * float(unknowns[-2])
         try:
-            train = with_parameter(near.train, parameter, value)
-            system = steady_system(train, close=comes_close(train, near.coefficients))
-            varied = variation(system.operator, train, names)
+            problem = SteadyProblem(with_parameter(near.problem.train, parameter, value))
+            found = evaluate_steady(problem, np.delete(unknowns, -2), near)
+            profile = change_of_profile(UNIT * unknowns[:-2])
+            varied = VariedTrain(problem, profile, parameter)
         except CaseError as error:
             raise NoSolution(str(error)) from None
-        forget_many_programs()
-        origin = f"branch along {parameter} from {first:g}"
-        found = evaluate_steady(system, train, np.delete(unknowns, -2), origin)
-        amounts = jnp.asarray(UNIT * unknowns[:-2])
-        by_parameter, volume = rates_by_parameters(system, varied, names, amounts)
-        column = first * np.append(by_parameter[0], -volume)
+        rates, volume = rates_by_parameter(varied, profile)
+        column = first * np.append(rates, -volume)
         return replace(found, jacobian=np.insert(found.jacobian, -1, column, axis=1))
 
     return evaluate

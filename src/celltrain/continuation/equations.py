@@ -1,57 +1,77 @@
 """The equations of steady trains as curves and searches take them.
 
-Unknowns are those of a steady train (see `steady.system`) in units of a displacement by one r0,
+Unknowns are those of a steady train (see `steady.problem`) in units of a displacement by one r0,
 a/sqrt(4 pi), and the multiplier c that takes the place of the equation which follows from the
 others; c = 0 in a solution. The equations are
 
     F(a, c) = [ v(a) - c n,  V(a) - V0 ],      n = dV/da.
+
+Rules stay those of the point before while they serve, so that they do not jump in the middle of a
+correction.
 """
 
 import math
+from dataclasses import dataclass
 
-import jax.numpy as jnp
 import numpy as np
 
 from celltrain.continuation.arclength import Evaluation, NoSolution, Unknowns
-from celltrain.parameters import Train
-from celltrain.steady import Base
+from celltrain.harmonics import Profile
+from celltrain.steady.base import Base
+from celltrain.steady.iterate import Iterated
+from celltrain.steady.problem import SteadyProblem, SteadyState, change_of_profile, unknowns_of
 from celltrain.steady.solve import describe
-from celltrain.steady.system import SteadySystem
-from celltrain.train import largest_radius, streamwise_gap
 
-# A displacement by one r0 in the coefficients.
+#: A displacement by one r0 in the coefficients.
 UNIT = math.sqrt(4.0 * math.pi)
 
 
-def to_unknowns(system: SteadySystem, shape: np.ndarray) -> Unknowns:
-    """(a/sqrt(4 pi), c = 0) of an axisymmetric shape."""
-    return np.append(np.asarray(system.unknowns(jnp.asarray(shape))) / UNIT, 0.0)
+@dataclass(frozen=True)
+class SteadyPoint:
+    """A shape of a train's cells, steady or on the way to it."""
+
+    problem: SteadyProblem
+    state: SteadyState
+
+    def base(self, origin: str) -> Base:
+        """What is reported of it as a steady train."""
+        return describe(self.problem, Iterated(self.state, (), "steady"), origin)
+
+
+def known_point(base: Base) -> SteadyPoint:
+    """That of a steady train."""
+    problem = SteadyProblem(base.train)
+    return SteadyPoint(problem, problem.state(base.profile))
+
+
+def to_unknowns(profile: Profile) -> Unknowns:
+    """(a/sqrt(4 pi), c = 0) of a shape."""
+    return np.append(unknowns_of(profile) / UNIT, 0.0)
 
 
 def evaluate_steady(
-    system: SteadySystem, train: Train, unknowns: Unknowns, origin: str
-) -> Evaluation[Base]:
-    """F, its derivatives in the unknowns, and the train that belongs to them.
+    problem: SteadyProblem, unknowns: Unknowns, near: SteadyPoint
+) -> Evaluation[SteadyPoint]:
+    """F, its derivatives in the unknowns, and the shape that belongs to them.
 
     **Raises:** `NoSolution` where cells overlap each other or the wall.
     """
-    amounts = jnp.asarray(UNIT * unknowns[:-1])
-    shape = np.asarray(system.shape(amounts))
-    # The gap is the smallest radius by radius: what is not a number has none.
-    if not (streamwise_gap(shape, train.period) > 0.0 and largest_radius(shape) < train.radius):
+    profile = change_of_profile(UNIT * unknowns[:-1])
+    if not problem.fits(profile):
         raise NoSolution("cells overlap")
-    state = system.state(amounts)
-    rates, normal = np.asarray(state.rates), np.asarray(state.volume_gradient)
-    membrane = system.operator.membrane
-    missing = float(state.volume) - float(membrane.volume(membrane.reference_shape))
+    rules = problem.rules(profile)
+    if near.state.flow.rules.covers(rules):
+        rules = near.state.flow.rules
+    state = problem.state(profile, rules)
+    rates, normal = state.rates, state.volume_gradient
     size = len(rates)
     jacobian = np.zeros((size + 1, size + 1))
-    jacobian[:size, :size] = UNIT * np.asarray(state.jacobian)
+    jacobian[:size, :size] = UNIT * state.jacobian
     jacobian[:size, size] = -normal
     jacobian[size, :size] = UNIT * normal
     return Evaluation(
-        residual=np.append(rates - unknowns[-1] * normal, missing),
+        residual=np.append(rates - unknowns[-1] * normal, -state.missing_volume),
         jacobian=jacobian,
-        error=max(float(state.residual), abs(missing)),
-        state=describe(system, train, np.asarray(amounts), state, (), origin),
+        error=state.error,
+        state=SteadyPoint(problem, state),
     )

@@ -15,21 +15,24 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
 
-from celltrain.continuation.arclength import Evaluation, NoSolution, Problem, Unknowns
+from celltrain.continuation.arclength import Evaluation, NoSolution, Unknowns
 from celltrain.continuation.deflation import Tries, deflated_newton
-from celltrain.continuation.equations import evaluate_steady, to_unknowns
-from celltrain.harmonics import axisymmetric_basis, coefficient_index, degrees_and_orders
-from celltrain.parameters import CaseError, Train
+from celltrain.continuation.equations import (
+    UNIT,
+    SteadyPoint,
+    evaluate_steady,
+    known_point,
+    to_unknowns,
+)
+from celltrain.harmonics import Profile
+from celltrain.meridian.geometry import crosses_itself
+from celltrain.parameters import CaseError
 from celltrain.stability import stability
 from celltrain.steady import Base, NotConverged, steady
-from celltrain.steady.solve import comes_close
-from celltrain.steady.system import SteadySystem, steady_system
-from celltrain.train import meridian, resting_shapes
+from celltrain.steady.problem import SteadyProblem, change_of_profile
 
 #: Tries unless told otherwise: one for each guess, and some for what is found.
 MOST_TRIES = 16
@@ -42,8 +45,6 @@ DISTURBED = (0.2, 0.2, 0.5, 0.5)
 LOWEST = 5
 # Two trains nearer than this, in a/sqrt(4 pi), are the same (r0).
 SAME = 1e-4
-
-Shape = Float[np.ndarray, "3 coefficient"]
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,7 @@ class BranchSearch:
 def search_trains(
     known: Base,
     *,
-    guesses: Sequence[tuple[str, Shape]] | None = None,
+    guesses: Sequence[tuple[str, Profile]] | None = None,
     most_tries: int = MOST_TRIES,
     tries: Tries | None = None,
     progress: Callable[[SearchTry], None] | None = None,
@@ -136,24 +137,23 @@ def search_trains(
     **Arguments:**
 
     - `known`: a steady train; its number of cells matters for the growth rates only.
-    - `guesses`: names and axisymmetric shapes to begin from, those of the module if not given.
+    - `guesses`: names and shapes to begin from (see `harmonics.profile`), those of the module if
+      not given.
     - `most_tries`: bound on the number of tries; each takes up to `tries.most_steps` steps, a step
-      a fraction of a second at degree 12.
+      about a tenth of a second at degree 12.
     - `progress`: called with every try.
 
     **Raises:** `CaseError` for a number of tries that is not allowed.
     """
     check_tries(most_tries)
     tries = Tries() if tries is None else tries
-    train = known.train
-    problem = steady_problem(train)
-    system = steady_system(train, close=False)
-    first = to_unknowns(system, known.coefficients)
+    near = known_point(known)
+    first = to_unknowns(known.profile)
     roots, done, found = [first], list[SearchTry](), list[FoundTrain]()
-    for name, shape in first_guesses(known) if guesses is None else guesses:
+    for name, profile in first_guesses(known) if guesses is None else guesses:
         while len(done) < most_tries:
-            start = to_unknowns(system, _with_volume(system, shape))
-            each, root = _try(problem, name, start, known, roots, tries)
+            start = to_unknowns(_with_volume(near.problem, profile))
+            each, root = _try(name, start, near, roots, tries)
             done.append(each)
             if progress is not None:
                 progress(each)
@@ -174,97 +174,63 @@ def check_tries(most_tries: int) -> None:
         raise CaseError(f"most_tries = {most_tries} is not allowed; allowed: whole numbers >= 1")
 
 
-def first_guesses(known: Base) -> Iterator[tuple[str, Shape]]:
+def first_guesses(known: Base) -> Iterator[tuple[str, Profile]]:
     """The guesses of the module with their names; trains at other packings as they are needed."""
-    train, shape = known.train, known.coefficients
-    degree = train.degree
-    n, _ = degrees_and_orders(degree)
-    rest = resting_shapes(train, 1)[0]
+    train, profile = known.train, known.profile
+    rest = SteadyProblem(train).rest
     yield "the resting shape", rest
     for bend in BENT:
         bent = rest.copy()
-        # z of Y_20 at the pole, less that at the equator, is the bend.
-        bent[2, coefficient_index(2, 0)] += bend / (1.5 * math.sqrt(5.0 / (4.0 * math.pi)))
+        # z of P_20 at the pole, less that at the equator, is the bend.
+        bent[0, 2] += bend / (1.5 * math.sqrt(5.0 / (4.0 * math.pi)))
         yield f"the resting shape bent by {bend:+g} r0", bent
-    yield "the known one pointing the other way", reversed_shape(shape)
+    yield "the known one pointing the other way", reversed_profile(profile)
     for factor in PACKINGS:
         packing = factor * train.packing
         try:
             other = steady(train.changed(packing=packing), start=known, estimate_error=False)
         except (CaseError, NotConverged):
             continue
-        yield f"the train at packing {packing:.3g}", other.coefficients
+        yield f"the train at packing {packing:.3g}", other.profile
     random = np.random.default_rng(0)
-    basis = axisymmetric_basis(degree)[1:]
-    low = [bool((np.abs(each).max(axis=0) * (n > LOWEST)).max() == 0.0) for each in basis]
+    degrees = np.tile(np.arange(1, train.degree), 2)
     for number, size in enumerate(DISTURBED, 1):
-        amounts = random.normal(size=len(basis)) * low
-        amounts *= size * math.sqrt(4.0 * math.pi) / np.linalg.norm(amounts)
-        disturbance = np.tensordot(amounts, basis, axes=1)
-        yield f"the known one disturbed by {size:g} r0 (draw {number})", shape + disturbance
+        amounts = random.normal(size=len(degrees)) * (degrees <= LOWEST)
+        amounts *= size * UNIT / np.linalg.norm(amounts)
+        disturbed = profile + change_of_profile(amounts)
+        yield f"the known one disturbed by {size:g} r0 (draw {number})", disturbed
 
 
-def reversed_shape(shape: Shape) -> Shape:
-    """The mirror image z -> -z of an axisymmetric shape, front pole to rear pole."""
-    # Y_nm(pi - theta) = (-1)^(n + m) Y_nm(theta), and z changes its sign.
-    n, order = degrees_and_orders(math.isqrt(shape.shape[-1]))
-    parity = np.where((n + order) % 2 == 0, 1.0, -1.0)
-    return shape * parity * np.array([[1.0], [1.0], [-1.0]])
+def reversed_profile(profile: Profile) -> Profile:
+    """The mirror image z -> -z of a shape, front pole to rear pole."""
+    # P_nm(pi - theta) = (-1)^(n + m) P_nm(theta), and z changes its sign.
+    return profile * (-1.0) ** (1 + np.arange(profile.shape[1]))
 
 
-def is_a_cell(shape: Shape) -> bool:
-    """Whether the meridian of an axisymmetric shape crosses neither the axis nor itself."""
-    radius, axial = meridian(shape, 201)
-    if (radius[1:-1] <= 0.0).any():
-        return False
-    points = np.stack([radius, axial], axis=-1)
-    starts, along = points[:-1], np.diff(points, axis=0)
-    between = starts[None] - starts[:, None]
-    turned = _cross(along[:, None], along[None])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        here = _cross(between, along[None]) / turned
-        there = _cross(between, along[:, None]) / turned
-    meet = (here > 0.0) & (here < 1.0) & (there > 0.0) & (there < 1.0)
-    return not bool(np.triu(meet, 2).any())
-
-
-def steady_problem(train: Train) -> Problem[Base]:
-    """The steady equations of a train; cells that come close get the rules for that."""
-    systems: dict[bool, SteadySystem] = {}
-
-    def evaluate(unknowns: Unknowns, near: Base) -> Evaluation[Base]:
-        close = comes_close(train, near.coefficients)
-        if close not in systems:
-            systems[close] = steady_system(train, close=close)
-        return evaluate_steady(systems[close], train, unknowns, "a search by deflation")
-
-    return evaluate
+def steady_problem(unknowns: Unknowns, near: SteadyPoint) -> Evaluation[SteadyPoint]:
+    """The steady equations of the train of a point nearby."""
+    return evaluate_steady(near.problem, unknowns, near)
 
 
 def _try(
-    problem: Problem[Base],
-    name: str,
-    start: Unknowns,
-    known: Base,
-    roots: Sequence[Unknowns],
-    tries: Tries,
+    name: str, start: Unknowns, known: SteadyPoint, roots: Sequence[Unknowns], tries: Tries
 ) -> tuple[SearchTry, Unknowns | None]:
     """One try; the root that it found, if it is another one."""
     if min(float(np.linalg.norm(start - root)) for root in roots) < SAME:
         return SearchTry(name, 0, "the guess is a known train", math.nan, None), None
     try:
-        attempt = deflated_newton(problem, start, known, roots, tries)
+        attempt = deflated_newton(steady_problem, start, known, roots, tries)
     except NoSolution as failure:
         return SearchTry(name, 0, str(failure), math.nan, None), None
     error = attempt.evaluation.error
     if not attempt.converged:
         return SearchTry(name, attempt.steps, attempt.reason, error, None), None
-    root = attempt.unknowns
+    root, point = attempt.unknowns, attempt.evaluation.state
     if min(float(np.linalg.norm(root - each)) for each in roots) < SAME:
         return SearchTry(name, attempt.steps, "came back to a known one", error, None), None
-    base = attempt.evaluation.state
-    if not is_a_cell(base.coefficients):
+    if crosses_itself(point.state.profile):
         return SearchTry(name, attempt.steps, "found the shape of no cell", error, None), root
+    base = point.base("a search by deflation")
     return SearchTry(name, attempt.steps, "found another train", error, base), root
 
 
@@ -274,16 +240,7 @@ def _describe(base: Base, guess: str, distance: float) -> FoundTrain:
     return FoundTrain(base, guess, distance, found.spectral_abscissa)
 
 
-def _with_volume(system: SteadySystem, shape: Shape) -> Shape:
+def _with_volume(problem: SteadyProblem, profile: Profile) -> Profile:
     """The shape scaled to the volume of the cell."""
-    membrane = system.operator.membrane
-    volume, target = (
-        float(membrane.volume(each)) for each in (jnp.asarray(shape), membrane.reference_shape)
-    )
-    return shape * np.cbrt(target / volume) if volume > 0.0 else shape
-
-
-def _cross(
-    first: Float[np.ndarray, "... 2"], second: Float[np.ndarray, "... 2"]
-) -> Float[np.ndarray, "..."]:
-    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+    volume = problem.membrane.volume(profile)
+    return profile * np.cbrt(problem.target_volume / volume) if volume > 0.0 else profile

@@ -32,20 +32,26 @@ Tell = Callable[[str], None]
 class AbscissaLadder:
     """Steady trains and spectral abscissas of one case at several degrees.
 
-    **Arguments:** `start`: the case, or a steady train of it; `numbers`: azimuthal numbers to look
-    at; `phases`: q in radians per cell, those of the train's N cells if not given.
+    **Arguments:** `case`: the case, or a steady train of it; `numbers`: azimuthal numbers to look
+    at; `phases`: q in radians per cell, those of the train's N cells if not given; `start`: a steady
+    train of another case to go on from.
     """
 
     def __init__(
-        self, start: Train | Base, numbers: Sequence[int], phases: Sequence[float] | None = None
+        self,
+        case: Train | Base,
+        numbers: Sequence[int],
+        phases: Sequence[float] | None = None,
+        *,
+        start: Base | None = None,
     ) -> None:
         self._start = start
-        self._train = start.train if isinstance(start, Base) else start
+        self._train = case.train if isinstance(case, Base) else case
         self._numbers = tuple(numbers)
         waves = range(self._train.cells // 2 + 1)
         own = tuple(2.0 * np.pi * j / self._train.cells for j in waves)
         self._phases = own if phases is None else tuple(phases)
-        self._bases = {start.train.degree: start} if isinstance(start, Base) else {}
+        self._bases = {case.train.degree: case} if isinstance(case, Base) else {}
         self._found: dict[tuple[int, int], float] = {}
 
     def base(self, degree: int, iteration: IterationProgress | None = None) -> Base:
@@ -59,7 +65,9 @@ class AbscissaLadder:
                 self._bases[degree] = at_degree(nearest, degree)
             else:
                 train = self._train.changed(degree=degree)
-                self._bases[degree] = steady(train, estimate_error=False, progress=iteration)
+                self._bases[degree] = steady(
+                    train, start=self._start, estimate_error=False, progress=iteration
+                )
         return self._bases[degree]
 
     def abscissa(self, degree: int) -> float:

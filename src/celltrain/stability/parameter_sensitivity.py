@@ -5,15 +5,15 @@ For a simple eigenvalue of a block, w^H A = lambda w^H, A v = lambda v, w^H v = 
     d lambda/dp = w^H (dA/dp) v,   dA/dp = A_p + A_s [ds/dp],                                (a)
 
 with ds/dp the change of the steady train (see `base_sensitivities`). Both parts are one derivative
-of A(q; s, p) v along (ds/dp, 1), taken by forward differentiation of the discrete dynamics at fixed
-grids and rules, at fixed q (radians per cell). With a viscosity ratio lam other than 1, A = B^-1 A1
-and B = (1 + lam)/2 - (1 - lam) K (see `linearise`), it is
+of A(q; s, p) along (ds/dp, 1), at fixed grids and rules and fixed q (radians per cell): an
+extrapolated central difference of the assembled block, good to nine digits (see `steady.varied`).
+With a viscosity ratio lam other than 1, A = B^-1 A1 and B = (1 + lam)/2 - (1 - lam) K (see
+`linearise`), it is
 
     d lambda/dp = w^H B^-1 (dA1/dp - lambda dB/dp) v.
 
-So nothing is differenced, and these are derivatives of what the discrete equations give to about
-the accuracy of their solution. A train computed anew at other parameters may choose other grids
-and rules, within its `tolerance`, as a difference quotient will show.
+No train is computed anew. One at other parameters may choose other grids and rules, within their
+tolerance, as a difference quotient over a small step will show.
 
 An eigenvalue that several modes share by symmetry (the mirror image, -q) is simple in its block.
 Close to a multiple one, where l^H r of unit vectors vanishes, the derivative becomes infinite: see
@@ -22,31 +22,26 @@ Close to a multiple one, where l^H r of unit vectors vanishes, the derivative be
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from jaxtyping import Array, Complex, Float
+from jaxtyping import Complex
 
-from celltrain.harmonics import azimuthal_basis
+from celltrain.harmonics import Profile, profile_of
+from celltrain.meridian.double_layer import DoubleLayer
+from celltrain.meridian.train import SMALLEST_PHASE, TrainFlow
 from celltrain.parameters import CaseError
 from celltrain.stability.adjoint import mode_vectors
 from celltrain.stability.infinite import WaveMode
-from celltrain.stability.linearise import BATCH, interior_action, linear_action
 from celltrain.stability.result import Mode, Stability
-from celltrain.steady import Base, BaseSensitivity, base_sensitivities
-from celltrain.train import (
-    Variation,
-    check_parameters,
-    clearance,
-    close_distance,
-    parameter_value,
-    parameters_of,
-    train_operator,
-    variation,
-)
+from celltrain.steady.base import Base
+from celltrain.steady.parameters import check_parameters, parameter_value, parameters_of
+from celltrain.steady.problem import SteadyProblem
+from celltrain.steady.sensitivity import BaseSensitivity, base_sensitivities
+from celltrain.steady.varied import VariedTrain
+
+Vector = Complex[np.ndarray, " size"]
 
 
 @dataclass(frozen=True)
@@ -151,90 +146,72 @@ def wave_sensitivities(
     names = parameters_of(train) if parameters is None else tuple(parameters)
     check_parameters(names, train)
     of_base = base_sensitivities(base, names)
-    changed = jnp.asarray(np.stack([of_base[name].coefficients for name in names]))
-    equal, ratio = train.changed(viscosity_ratio=1.0), train.flow.viscosity_ratio
-    close = clearance(base.coefficients, train.period, train.radius) < close_distance(train)
-    still = variation(train_operator(equal, close=close), train, names)
-    moving = train_operator(equal, close=close, phase=mode.phase)
-    wave = variation(moving, train, names)
-    shape = jnp.asarray(base.coefficients)
-    basis = azimuthal_basis(train.degree, mode.azimuthal_number)
-    directions = np.einsum("pu,uik->pik", [mode.right.real, mode.right.imag], basis)
-    value = complex(mode.growth_rate, mode.frequency)
-
-    def in_basis(answers: Array) -> Complex[np.ndarray, "... size"]:
-        """What happens to the mode, from what happens to its real and its imaginary part."""
-        parts = np.einsum("...pik,uik->...pu", np.asarray(answers), basis)
-        return np.asarray(parts[..., 0, :] + 1j * parts[..., 1, :])
-
-    unequal = ratio != 1.0
-    moved = _changes(still, wave, names, unequal, shape, jnp.asarray(directions), changed)
-    moments = in_basis(moved[0])
-    left = mode.left
-    if unequal:
-        # dB/dp = -(1 - lam) dK/dp.
-        moments = moments + value * (1.0 - ratio) * in_basis(moved[1])
-        flow = _interior_block(wave, shape, basis)
-        equation = 0.5 * (1.0 + ratio) * np.eye(len(basis)) - (1.0 - ratio) * flow
-        left = np.linalg.solve(equation.conj().T, left)
-    slopes = moments @ left.conj()
-    if "viscosity_ratio" in names:
-        # dB/dlam = 1/2 + K; neither the train nor A1 depends on it.
-        flow_of_mode = in_basis(interior_action(wave.operator, shape, jnp.asarray(directions)))
-        by_ratio = -value * (left.conj() @ (0.5 * mode.right + flow_of_mode))
-        slopes[names.index("viscosity_ratio")] = by_ratio
-    return ParameterSensitivities(
-        base,
-        mode,
-        {
-            name: ParameterSensitivity(
-                name,
-                parameter_value(train, name),
-                float(slope.real),
-                float(slope.imag),
-                of_base[name],
-            )
-            for name, slope in zip(names, slopes, strict=True)
-        },
-    )
+    wave = _Wave(base, mode)
+    entries = {}
+    for name in names:
+        slope = wave.slope(of_base[name])
+        value = parameter_value(train, name)
+        entries[name] = ParameterSensitivity(
+            name, value, float(slope.real), float(slope.imag), of_base[name]
+        )
+    return ParameterSensitivities(base, mode, entries)
 
 
-@eqx.filter_jit
-def _changes(
-    still: Variation,
-    wave: Variation,
-    names: tuple[str, ...],
-    unequal: bool,
-    shape: Float[Array, "3 coefficient"],
-    directions: Float[Array, "direction 3 coefficient"],
-    changed: Float[Array, "parameter 3 coefficient"],
-) -> tuple[Complex[Array, "parameter direction 3 coefficient"], ...]:
-    """Change of A1 d, and with `unequal` viscosities of K d, along each parameter and its shape."""
+class _Wave:
+    """The equation of one wave, (A1 - lambda B) v = 0, at other parameters."""
 
-    def observed(values: Array, shape: Array) -> tuple[Array, ...]:
-        chosen = dict(zip(names, values, strict=True))
-        moving = wave.at(chosen)
-        answers = linear_action(still.at(chosen), moving, shape, directions)
-        if not unequal:
-            return (answers,)
-        return answers, interior_action(moving, shape, directions)
+    def __init__(self, base: Base, mode: WaveMode) -> None:
+        self._problem, self._profile, self._mode = SteadyProblem(base.train), base.profile, mode
+        self._ratio = base.train.flow.viscosity_ratio
+        self._value = complex(mode.growth_rate, mode.frequency)
 
-    start = jnp.stack([still.start[name] for name in names])
+    def slope(self, of_base: BaseSensitivity) -> complex:
+        """d lambda/dp, from the change of the steady train."""
+        if of_base.parameter == "viscosity_ratio":
+            # Neither the train nor A1 depends on it, and dB/dlam = 1/2 + K.
+            right = self._mode.right
+            by_ratio = 0.5 * right + self._layer @ right
+            return complex(-self._value * (self._left.conj() @ by_ratio))
+        varied = VariedTrain(self._problem, self._profile, of_base.parameter)
+        along = profile_of(of_base.coefficients)
 
-    def change(pair: tuple[Array, Array]) -> tuple[Array, ...]:
-        found: tuple[Array, ...] = jax.jvp(observed, (start, shape), pair)[1]
-        return found
+        def left_over(change: float) -> Vector:
+            flow = self._flow(varied, change, self._profile + change * along)
+            return self._left_over(flow)
 
-    return jax.lax.map(change, (jnp.eye(len(names)), changed))
+        return complex(self._left.conj() @ varied.derivative(left_over))
 
+    def _left_over(self, flow: TrainFlow) -> Vector:
+        """(A1 - lambda B) v."""
+        m, phases, right = self._mode.azimuthal_number, [self._mode.phase], self._mode.right
+        rates: Vector = flow.blocks(m, phases)[0] @ right
+        if self._ratio == 1.0:
+            # B = 1 whatever the parameter is.
+            return rates
+        equation = DoubleLayer(flow).equation(m, phases, self._ratio)[0]
+        return rates - self._value * (equation @ right)
 
-def _interior_block(
-    wave: Variation,
-    shape: Float[Array, "3 coefficient"],
-    basis: Float[np.ndarray, "size 3 coefficient"],
-) -> Complex[np.ndarray, "size size"]:
-    """K_m(q) in the basis of an azimuthal number."""
-    # Whole batches only: a remainder would be compiled as a second program.
-    padded = np.pad(basis, ((0, -len(basis) % BATCH), (0, 0), (0, 0)))
-    answers = np.asarray(interior_action(wave.operator, shape, jnp.asarray(padded)))
-    return np.einsum("vik,uik->uv", answers[: len(basis)], basis)
+    def _flow(self, varied: VariedTrain, change: float, profile: Profile) -> TrainFlow:
+        phase = self._mode.phase
+        return varied.flow(
+            change,
+            profile,
+            largest_azimuthal_number=self._mode.azimuthal_number,
+            smallest_phase=min(phase, SMALLEST_PHASE) if phase > 0.0 else SMALLEST_PHASE,
+        )
+
+    @cached_property
+    def _layer(self) -> Complex[np.ndarray, "size size"]:
+        """K of the train itself."""
+        still = VariedTrain(self._problem, self._profile, "viscosity_ratio")
+        flow = self._flow(still, 0.0, self._profile)
+        return DoubleLayer(flow).blocks(self._mode.azimuthal_number, [self._mode.phase])[0]
+
+    @cached_property
+    def _left(self) -> Vector:
+        """B^-H w."""
+        left, ratio = self._mode.left, self._ratio
+        if ratio == 1.0:
+            return left
+        equation = 0.5 * (1.0 + ratio) * np.eye(len(left)) - (1.0 - ratio) * self._layer
+        return np.linalg.solve(equation.conj().T, left)

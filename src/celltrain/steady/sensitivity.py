@@ -1,30 +1,28 @@
 """How a steady train changes with its parameters, exactly.
 
-The steady equations F(a, p) = 0 (see `system`) define the shape a(p) at the volume V0 of the cell
+The steady equations v(a, p) = 0 (see `problem`) define the shape a(p) at the volume V0 of the cell
 at rest, which only the reduced volume changes:
 
     [ -J   n ] [ da/dp ]   [ dv/dp  ]
     [ n^T  0 ] [   .   ] = [ dV0/dp ],
 
-with J and n at the solution and dv/dp at fixed shape and fixed rules (see `Variation`). Cell
-velocity and effective viscosity change along (da/dp, 1). Nothing depends on the viscosity ratio: a
-steady train's cells move rigidly.
+with J and n at the solution and dv/dp at fixed shape and fixed rules (see `varied`). Cell velocity
+and effective viscosity change along (da/dp, 1). Nothing depends on the viscosity ratio: a steady
+train's cells move rigidly.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
+from celltrain.harmonics import Profile, coefficients_of
 from celltrain.steady.base import Base
-from celltrain.steady.solve import comes_close
-from celltrain.steady.system import SteadySystem, bordered_matrix, steady_system
-from celltrain.train import Variation, check_parameters, parameters_of, variation
+from celltrain.steady.parameters import check_parameters, parameters_of
+from celltrain.steady.problem import SteadyProblem, Unknowns, change_of_profile
+from celltrain.steady.varied import VariedTrain
 
 
 @dataclass(frozen=True)
@@ -47,76 +45,51 @@ def base_sensitivities(
 ) -> dict[str, BaseSensitivity]:
     """Derivatives of a steady train by its parameters.
 
-    They are those of the discrete equations at fixed grids and rules, to rounding (see the module).
+    They are those of the discrete equations at fixed grids and rules (see the module).
 
     **Arguments:** `parameters`: names among `PARAMETERS`, all that the train has if not given;
     lengths in r0, moduli in mu U.
 
     **Raises:** `CaseError` for a parameter that is not allowed.
     """
-    train = base.train
-    names = parameters_of(train) if parameters is None else tuple(parameters)
-    check_parameters(names, train)
-    system = steady_system(train, close=comes_close(train, base.coefficients))
-    unknowns = system.unknowns(jnp.asarray(base.coefficients))
-    varied = variation(system.operator, train, names)
-    matrix = bordered_matrix(system.state(unknowns), math.inf)
-    right, volumes = rates_by_parameters(system, varied, names, unknowns)
-    padded = np.concatenate([right, volumes[:, None]], axis=1)
-    slopes = np.linalg.solve(matrix, padded.T).T[:, :-1]
-    changes, viscosities, _ = _changes(system, varied, names, unknowns, jnp.asarray(slopes))
-    left = np.abs(np.asarray(jax.vmap(system.unknowns)(changes))).max(axis=1)
-    size = np.abs(right).max(axis=1)
-    found = {}
-    for i, name in enumerate(names):
-        upward = float(jnp.sum(changes[i] * system.upward))
-        found[name] = BaseSensitivity(
-            parameter=name,
-            coefficients=np.asarray(system.shape(jnp.asarray(slopes[i]))),
-            cell_velocity=upward / math.sqrt(4.0 * math.pi),
-            effective_viscosity=float(viscosities[i]),
-            residual=float(left[i] / size[i]) if size[i] > 0.0 else 0.0,
-        )
-    return found
+    names = parameters_of(base.train) if parameters is None else tuple(parameters)
+    check_parameters(names, base.train)
+    problem = SteadyProblem(base.train)
+    profile = base.profile
+    bordered = problem.state(profile).bordered()
+    return {name: _sensitivity(problem, profile, name, bordered) for name in names}
 
 
-def rates_by_parameters(
-    system: SteadySystem,
-    varied: Variation,
-    names: tuple[str, ...],
-    unknowns: Float[Array, " unknown"],
-) -> tuple[Float[np.ndarray, "parameter unknown"], Float[np.ndarray, " parameter"]]:
-    """dv/dp of the steady equations at fixed shape, and dV0/dp."""
-    still = jnp.zeros((len(names), unknowns.size))
-    changes, _, volumes = _changes(system, varied, names, unknowns, still)
-    return np.asarray(jax.vmap(system.unknowns)(changes)), np.asarray(volumes)
+def rates_by_parameter(varied: VariedTrain, profile: Profile) -> tuple[Unknowns, float]:
+    """dv/dp of the steady equations at a fixed shape, and dV0/dp."""
+    inner = slice(1, 2 * profile.shape[1] - 1)
+    rates = varied.derivative(lambda change: varied.flow(change, profile).rates[inner])
+    return rates, varied.derivative(varied.volume)
 
 
-@eqx.filter_jit
-def _changes(
-    system: SteadySystem,
-    varied: Variation,
-    names: tuple[str, ...],
-    unknowns: Float[Array, " unknown"],
-    slopes: Float[Array, "parameter unknown"],
-) -> tuple[
-    Float[Array, "parameter 3 coefficient"], Float[Array, " parameter"], Float[Array, " parameter"]
-]:
-    """Changes of rates, viscosity and volume at rest along each parameter and its change of the
-    unknowns.
-    """
+def _sensitivity(
+    problem: SteadyProblem,
+    profile: Profile,
+    name: str,
+    bordered: Float[np.ndarray, "size size"],
+) -> BaseSensitivity:
+    if name == "viscosity_ratio":
+        still = coefficients_of(np.zeros_like(profile))
+        return BaseSensitivity(name, still, 0.0, 0.0, 0.0)
+    varied = VariedTrain(problem, profile, name)
+    rates, volume = rates_by_parameter(varied, profile)
+    slope = change_of_profile(np.linalg.solve(bordered, np.append(rates, volume))[:-1])
 
-    def observed(values: Array, unknowns: Array) -> tuple[Array, Array, Array]:
-        operator = varied.at(dict(zip(names, values, strict=True)))
-        moved, (_, viscosity) = system.rates(operator, unknowns)
-        membrane = operator.membrane
-        return moved, viscosity, membrane.volume(membrane.reference_shape)
+    def along(change: float) -> np.ndarray:
+        flow = varied.flow(change, profile + change * slope)
+        return np.append(flow.rates[: 2 * flow.degree - 1], flow.effective_viscosity)
 
-    start = jnp.stack([varied.start[name] for name in names])
-
-    def change(along: Array, slope: Array) -> tuple[Array, Array, Array]:
-        found: tuple[Array, Array, Array]
-        found = jax.jvp(observed, (start, unknowns), (along, slope))[1]
-        return found
-
-    return jax.vmap(change)(jnp.eye(len(names)), slopes)
+    changes = varied.derivative(along)
+    size = float(np.abs(rates).max())
+    return BaseSensitivity(
+        parameter=name,
+        coefficients=coefficients_of(slope),
+        cell_velocity=float(changes[0]) / math.sqrt(4.0 * math.pi),
+        effective_viscosity=float(changes[-1]),
+        residual=float(np.abs(changes[1:-1]).max()) / size if size > 0.0 else 0.0,
+    )
