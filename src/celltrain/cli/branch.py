@@ -25,7 +25,7 @@ from celltrain.pictures.branch import draw_branch
 from celltrain.results import summary
 from celltrain.stability import NUMBERS, Stability, stability
 from celltrain.steady import Base
-from celltrain.train import with_parameter
+from celltrain.steady.parameters import with_parameter
 
 INTERRUPTED = 130
 

@@ -44,6 +44,12 @@ from celltrain.stability.norms import (
     SurfaceNorm,
     paper_weights,
 )
+from celltrain.stability.parameter_sensitivity import (
+    ParameterSensitivities,
+    ParameterSensitivity,
+    parameter_sensitivities,
+    wave_sensitivities,
+)
 from celltrain.stability.pseudospectrum import (
     Kreiss,
     Pseudospectrum,
@@ -81,6 +87,8 @@ __all__ = [
     "OptimalDisturbance",
     "OrthonormalNorm",
     "PaperNorm",
+    "ParameterSensitivities",
+    "ParameterSensitivity",
     "Peak",
     "Pseudospectrum",
     "Stability",
@@ -112,6 +120,7 @@ __all__ = [
     "numerical_abscissa",
     "optimal_disturbance",
     "paper_weights",
+    "parameter_sensitivities",
     "propagator_norm",
     "pseudospectrum",
     "receptivity",
@@ -119,5 +128,6 @@ __all__ = [
     "stability",
     "structural_sensitivity",
     "transient_growth",
+    "wave_sensitivities",
     "with_error_bars",
 ]
