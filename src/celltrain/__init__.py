@@ -3,9 +3,8 @@
     from celltrain import Train, steady, stability
 
     train = Train(diameter=6, packing=0.2, cells=8)
-    base = steady(train)
-    result = stability(base)
-    result.spectral_abscissa
+    result = stability(train)
+    result.spectral_abscissa, result.error_estimate, result.base.train.degree
 
 Lengths are in r0 (radius of the sphere of a cell's volume), velocities in U (mean velocity in the
 tube), viscosities in mu (plasma); so rates are in U/r0. What uses JAX is imported when it is asked

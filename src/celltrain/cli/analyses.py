@@ -16,21 +16,22 @@ from celltrain.cli.outputs import check_folder, check_output
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import Train, read_case
 from celltrain.results import replace_file
-from celltrain.steady import Base, NotConverged, steady
+from celltrain.steady import Base, NotConverged
 
 Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
 class Analysis(Generic[Result]):
-    """What is done with a steady train, and with what comes of it.
+    """What is done with a case, and with what comes of it.
 
-    `check` looks at the case before anything is computed; `save` is there if there is an output.
+    `check` looks at the case before anything is computed; `compute` takes the case and the steady
+    train to start from, if there is one; `save` is there if there is an output.
     `change` makes of the case that was given the one to begin with.
     """
 
     check: Callable[[Train], None]
-    compute: Callable[[Base, Reporter], Result]
+    compute: Callable[[Train, Base | None, Reporter], Result]
     summary: Callable[[Result], dict[str, Any]]
     report: Callable[[Result, Console], None]
     plot: Callable[[Result, Path], list[Path]]
@@ -39,7 +40,7 @@ class Analysis(Generic[Result]):
 
 
 def analyse(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Result]) -> int:
-    """Compute the steady train and analyse it; return the exit status.
+    """Compute what is asked for, keep and show it; return the exit status.
 
     Raises:
         CaseError: for anything in the request that is not allowed, before computing.
@@ -56,10 +57,9 @@ def analyse(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Resu
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr), Reporter(errors, quiet=request.quiet) as reporter:
         try:
-            base = steady(train, start=start, progress=reporter.iteration)
+            result = analysis.compute(train, start, reporter)
         except NotConverged as failure:
             return describe_failure(failure, errors, request.output)
-        result = analysis.compute(base, reporter)
         if request.output and analysis.save:
             analysis.save(result, request.output)
             reporter.log(f"saved {request.output}")

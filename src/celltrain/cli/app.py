@@ -3,33 +3,63 @@
 0: done; 2: bad input, with a message and nothing written; 3: the steady train did not converge,
 with its history, the last state saved, or cases of a study failed; 4: the workers of a study were
 lost; 130: interrupted.
+
+Commands are imported when they are run, so that help and bad input need not wait for them.
 """
 
-import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 
 from cyclopts import App, CycloptsError
 from rich.console import Console
 
-from celltrain.cli.arguments import CaseFile, Json, Output, Plot, Quiet, Start
-from celltrain.cli.branch import branch
-from celltrain.cli.compute import Request, run
-from celltrain.cli.evolve import evolve
-from celltrain.cli.options import CaseOptions, given_leaves
-from celltrain.cli.paper import paper
-from celltrain.cli.plot import plot as plot_
-from celltrain.cli.search import search
-from celltrain.cli.sensitivity import sensitivity
-from celltrain.cli.stability import stability
-from celltrain.cli.sweep import sweep
-from celltrain.cli.transient import transient
-from celltrain.parameters import CaseError, merge_case, read_case
-from celltrain.study import WorkersLost
+from celltrain.cli.failure import CommandFailed
+from celltrain.parameters import CaseError
 
 BAD_INPUT = 2
-WORKERS_LOST = 4
 INTERRUPTED = 130
+
+#: Command -> its function and the first line of that function's docstring.
+COMMANDS = {
+    "base": ("base:base", "Compute the steady train alone."),
+    "branch": ("branch:branch", "Follow the steady trains along a parameter, through folds."),
+    "case": (
+        "case:case",
+        "Print the complete case as TOML, dimensionless: what a computation would use.",
+    ),
+    "evolve": (
+        "evolve:evolve",
+        "Simulate a disturbed train; the file may be read, the simulation killed and gone on with.",
+    ),
+    "paper": (
+        "paper:paper",
+        "Compute or resume one of the paper's figures, draw it, and check the paper's statements.",
+    ),
+    "plot": (
+        "plot:plot",
+        "Draw a result or a simulation: growth beside theory, the cells at chosen times, a film.",
+    ),
+    "search": (
+        "search:search",
+        "Search for further steady trains of a case, by deflation of those that are known.",
+    ),
+    "sensitivity": (
+        "sensitivity:sensitivity",
+        "Compute how a growth rate changes with the train's parameters, and where it is made.",
+    ),
+    "stability": (
+        "stability:stability",
+        "Compute the steady train and its linear stability: growth rates, modes, transient growth.",
+    ),
+    "sweep": (
+        "sweep:sweep",
+        "Run or resume a study: the stability of trains over ranges of their parameters.",
+    ),
+    "transient": (
+        "transient:transient",
+        "Compute the transient growth of disturbances: how much, when, and of which.",
+    ),
+}
 
 app = App(
     name="celltrain",
@@ -38,6 +68,8 @@ app = App(
     result_action="return_value",
     suppress_keyboard_interrupt=False,
 )
+for name, (place, line) in COMMANDS.items():
+    app.command(f"celltrain.cli.{place}", name=name, help=line)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -51,46 +83,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (CaseError, CycloptsError) as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
         return BAD_INPUT
-    except WorkersLost as error:
+    except CommandFailed as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
-        return WORKERS_LOST
+        return error.status
     except KeyboardInterrupt as interruption:
         kept = str(interruption) or "nothing was saved"
         errors.print(f"celltrain: interrupted; {kept}", markup=False, soft_wrap=True)
         return INTERRUPTED
     return status or 0
-
-
-app.command(branch)
-app.command(evolve)
-app.command(plot_, name="plot")
-app.command(search)
-app.command(sensitivity)
-app.command(paper)
-app.command(stability)
-app.command(sweep)
-app.command(transient)
-
-
-@app.command
-def base(
-    case: CaseFile = None,
-    /,
-    *,
-    options: CaseOptions = None,
-    start: Start = None,
-    output: Output = None,
-    plot: Plot = None,
-    json: Json = False,
-    quiet: Quiet = False,
-) -> int:
-    """Compute the steady train alone."""
-    return run(Request(case, start, output, plot, json, quiet), given_leaves(options), stable=False)
-
-
-@app.command(name="case")
-def case_(case: CaseFile = None, /, *, options: CaseOptions = None) -> int:
-    """Print the complete case as TOML, dimensionless: what a computation would use."""
-    train = merge_case(read_case(case) if case else {}, given_leaves(options))
-    sys.stdout.write(train.to_toml())
-    return 0

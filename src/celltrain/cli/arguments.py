@@ -22,6 +22,13 @@ Start = Annotated[
         " one that the options change."
     ),
 ]
+Accuracy = Annotated[
+    float,
+    Parameter(
+        help="Relative accuracy of the growth rate up to which the degree rises, if none is given;"
+        " 1e-4 U/r0 are enough where that is less.",
+    ),
+]
 Numbers = Annotated[
     list[int] | None,
     Parameter(

@@ -21,10 +21,9 @@ from celltrain.continuation import branch as follow
 from celltrain.continuation.branch import ALONG
 from celltrain.parameters import CaseError, Train
 from celltrain.parameters.resolution import LEAST_DEGREE
-from celltrain.pictures.branch import draw_branch
 from celltrain.results import summary
 from celltrain.stability import NUMBERS, Stability, stability
-from celltrain.steady import Base
+from celltrain.steady import Base, steady
 from celltrain.steady.parameters import with_parameter
 
 INTERRUPTED = 130
@@ -96,10 +95,11 @@ def branch(
     def dynamics(base: Base) -> Stability:
         return stability(base, azimuthal_numbers=NUMBERS, estimate_error=False)
 
-    def compute(base: Base, reporter: Reporter) -> Branch:
+    def compute(train: Train, start: Base | None, reporter: Reporter) -> Branch:
         def show(point: BranchPoint) -> None:
             reporter.log(f"{along} = {point.value:.6g}  {_numbers(point)}")
 
+        base = steady(train, start=start, progress=reporter.iteration)
         found = follow(
             base,
             along,
@@ -112,6 +112,9 @@ def branch(
         return found
 
     def pictures(found: Branch, folder: Path) -> list[Path]:
+        # Drawing takes half a second to load.
+        from celltrain.pictures.branch import draw_branch
+
         return [draw_branch(found, folder / "branch.png")]
 
     def save(found: Branch, path: Path) -> None:

@@ -15,10 +15,11 @@ from rich.table import Table
 from celltrain.cli.outputs import check_folder, check_output, last_state_path
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import CaseError, Train, merge_case, read_case
-from celltrain.pictures import plot_all
 from celltrain.results import load, print_report, save, summary
 from celltrain.stability import (
+    ACCURACY,
     Stability,
+    check_accuracy,
     check_count,
     check_linearisable,
     stability,
@@ -49,6 +50,7 @@ def run(
     stable: bool,
     azimuthal_numbers: Sequence[int] | None = None,
     error_bars: int | None = None,
+    accuracy: float = ACCURACY,
 ) -> int:
     """Compute the steady train, and its stability if ``stable``; return the exit status.
 
@@ -60,6 +62,7 @@ def run(
     train = read_train(case, start, leaves)
     if stable:
         check_linearisable(train, azimuthal_numbers)
+        check_accuracy(accuracy)
         if error_bars is not None:
             check_count(error_bars)
     if request.output:
@@ -75,21 +78,26 @@ def run(
             f"train of {train.cells} cells, packing {train.packing:g}, in a tube of diameter"
             f" {train.tube.diameter:g} r0" + ("" if degree is None else f", degree {degree}")
         )
+        result: Base | Stability
         try:
-            base = steady(train, start=start, progress=reporter.iteration)
+            if stable:
+                result = stability(
+                    train,
+                    start=start,
+                    accuracy=accuracy,
+                    azimuthal_numbers=azimuthal_numbers,
+                    estimate_error=error_bars is None,
+                    progress=reporter.share,
+                    iteration=reporter.iteration,
+                    tell=reporter.log,
+                )
+            else:
+                result = steady(train, start=start, progress=reporter.iteration)
         except NotConverged as failure:
             return describe_failure(failure, errors, request.output)
-        result: Base | Stability = base
-        if stable:
-            result = stability(
-                base,
-                azimuthal_numbers=azimuthal_numbers,
-                estimate_error=error_bars is None,
-                progress=reporter.share,
-            )
-            if error_bars is not None:
-                reporter.log("error bars: four degrees more, then finer grids")
-                result = with_error_bars(result, count=error_bars)
+        if error_bars is not None and isinstance(result, Stability):
+            reporter.log("error bars: higher degrees, then finer rules")
+            result = with_error_bars(result, count=error_bars)
         _keep(result, request, reporter)
     _show(result, as_json=request.json)
     return 0
@@ -131,6 +139,9 @@ def _keep(result: Base | Stability, request: Request, reporter: Reporter) -> Non
         save(result, request.output)
         reporter.log(f"saved {request.output}")
     if request.plot:
+        # Drawing takes half a second to load.
+        from celltrain.pictures import plot_all
+
         for path in plot_all(result, request.plot):
             reporter.log(f"drew {path}")
 

@@ -12,10 +12,15 @@ from celltrain.cli.analyses import Analysis, analyse, save_dataset
 from celltrain.cli.compute import Request
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import Train
-from celltrain.pictures import draw_dispersion
 from celltrain.results import summary
-from celltrain.stability import InfiniteTrain, check_linearisable, infinite_train
-from celltrain.stability.infinite import NUMBERS, WaveMode, check_phases
+from celltrain.stability import (
+    NUMBERS,
+    InfiniteTrain,
+    check_accuracy,
+    check_linearisable,
+    infinite_train,
+)
+from celltrain.stability.infinite import WaveMode, check_phases
 from celltrain.steady import Base
 
 
@@ -24,6 +29,7 @@ def run_infinite(
     leaves: Mapping[str, Any],
     phases: Sequence[float] | None,
     azimuthal_numbers: Sequence[int] | None,
+    accuracy: float,
 ) -> int:
     """Compute the growth rates of waves of any length; return the exit status.
 
@@ -35,15 +41,26 @@ def run_infinite(
 
     def check(train: Train) -> None:
         check_linearisable(train, numbers)
+        check_accuracy(accuracy)
         if samples is not None:
             check_phases(samples)
 
-    def compute(base: Base, reporter: Reporter) -> InfiniteTrain:
+    def compute(train: Train, start: Base | None, reporter: Reporter) -> InfiniteTrain:
         return infinite_train(
-            base, phases=samples, azimuthal_numbers=numbers, progress=reporter.share
+            train,
+            start=start,
+            phases=samples,
+            azimuthal_numbers=numbers,
+            accuracy=accuracy,
+            progress=reporter.share,
+            iteration=reporter.iteration,
+            tell=reporter.log,
         )
 
     def pictures(result: InfiniteTrain, folder: Path) -> list[Path]:
+        # Drawing takes half a second to load.
+        from celltrain.pictures import draw_dispersion
+
         return [draw_dispersion(result, folder / "dispersion.png")]
 
     analysis = Analysis(check, compute, infinite_summary, print_infinite, pictures, _save)
@@ -65,6 +82,7 @@ def infinite_summary(result: InfiniteTrain) -> dict[str, Any]:
         "frequencies": {str(m): result.frequencies(m).tolist() for m in numbers},
         "numerical_abscissas": {str(m): result.numerical_abscissas[m].tolist() for m in numbers},
         "most_unstable": _mode(result.most_unstable),
+        "error_estimate": None if np.isnan(result.error_estimate) else result.error_estimate,
         "seconds": result.seconds,
     }
 
@@ -92,6 +110,8 @@ def print_infinite(result: InfiniteTrain, console: Console) -> None:
         f"most unstable: growth rate {best.growth_rate:.5g} U/r0, frequency {best.frequency:.3g}"
         f" U/r0, m = {best.azimuthal_number}, q = {best.phase:.5g} ({length})"
     )
+    if not np.isnan(result.error_estimate):
+        console.print(f"its error, estimated: {result.error_estimate:.2g} U/r0")
     table = Table(
         title="Largest growth rate for each m, U/r0", title_justify="left", title_style="bold"
     )

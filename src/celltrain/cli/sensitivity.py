@@ -9,16 +9,17 @@ from rich.console import Console
 from rich.table import Table
 
 from celltrain.cli.analyses import Analysis, analyse, save_dataset
-from celltrain.cli.arguments import Json, Plot, Quiet
+from celltrain.cli.arguments import Accuracy, Json, Plot, Quiet
 from celltrain.cli.compute import Request
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import CaseError, Train
-from celltrain.pictures import draw_parameter_sensitivities, draw_structural_sensitivity
 from celltrain.results import summary
 from celltrain.stability import (
+    ACCURACY,
     ParameterSensitivities,
     StructuralSensitivity,
+    check_accuracy,
     condition_number,
     parameter_sensitivities,
     stability,
@@ -68,6 +69,7 @@ def sensitivity(
     options: CaseOptions = None,
     mode: Number = 1,
     parameters: Names = None,
+    accuracy: Accuracy = ACCURACY,
     output: Output = None,
     plot: Plot = None,
     json: Json = False,
@@ -76,13 +78,22 @@ def sensitivity(
     """Compute how a growth rate changes with the train's parameters, and where it is made."""
 
     def check(train: Train) -> None:
+        check_accuracy(accuracy)
         if parameters is not None:
             check_parameters(parameters, train)
         if mode < 1:
             raise CaseError(f"mode = {mode} is not allowed; allowed: whole numbers >= 1")
 
-    def compute(base: Base, reporter: Reporter) -> Sensitivity:
-        result = stability(base, estimate_error=False, progress=reporter.share)
+    def compute(train: Train, start: Base | None, reporter: Reporter) -> Sensitivity:
+        result = stability(
+            train,
+            start=start,
+            accuracy=accuracy,
+            estimate_error=False,
+            progress=reporter.share,
+            iteration=reporter.iteration,
+            tell=reporter.log,
+        )
         modes = [each for each in result.modes if not each.neutral]
         if mode > len(modes):
             raise CaseError(f"mode = {mode} is not allowed; allowed: 1 to {len(modes)}")
@@ -95,6 +106,9 @@ def sensitivity(
         )
 
     def pictures(result: Sensitivity, folder: Path) -> list[Path]:
+        # Drawing takes half a second to load.
+        from celltrain.pictures import draw_parameter_sensitivities, draw_structural_sensitivity
+
         return [
             draw_parameter_sensitivities(result.parameters, folder / "parameter_sensitivities.png"),
             draw_structural_sensitivity(result.structural, folder / "structural_sensitivity.png"),

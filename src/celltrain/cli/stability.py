@@ -4,18 +4,19 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from celltrain.cli.arguments import CaseFile, Json, Numbers, Output, Plot, Quiet, Start
+from celltrain.cli.arguments import Accuracy, CaseFile, Json, Numbers, Output, Plot, Quiet, Start
 from celltrain.cli.compute import Request, run
 from celltrain.cli.infinite import run_infinite
 from celltrain.cli.options import CaseOptions, given_leaves, reader
 from celltrain.parameters import CaseError
+from celltrain.stability import ACCURACY
 
 ErrorBars = Annotated[
     int | None,
     Parameter(
         converter=reader(int, "allowed: whole numbers >= 1"),
-        help="Give this many leading growth rates an error bar, from four degrees more and from"
-        " finer grids: about eight times the work.",
+        help="Give this many leading growth rates an error bar, from two higher degrees and from"
+        " finer rules.",
     ),
 ]
 Infinite = Annotated[
@@ -48,6 +49,7 @@ def stability(
     phases: Phases = None,
     azimuthal_numbers: Numbers = None,
     error_bars: ErrorBars = None,
+    accuracy: Accuracy = ACCURACY,
     start: Start = None,
     output: Output = None,
     plot: Plot = None,
@@ -60,7 +62,7 @@ def stability(
     if infinite:
         if error_bars is not None:
             raise CaseError("error_bars is not allowed with infinite: it is for a train of N cells")
-        return run_infinite(request, leaves, phases, azimuthal_numbers)
+        return run_infinite(request, leaves, phases, azimuthal_numbers, accuracy)
     if phases is not None:
         raise CaseError("phase is not allowed without infinite: N cells have q = 2 pi j/N")
     return run(
@@ -69,4 +71,5 @@ def stability(
         stable=True,
         azimuthal_numbers=azimuthal_numbers,
         error_bars=error_bars,
+        accuracy=accuracy,
     )

@@ -18,6 +18,7 @@ from rich.progress import (
 from rich.progress import Progress as Bar
 
 from celltrain.cli.arguments import Quiet
+from celltrain.cli.failure import CommandFailed
 from celltrain.cli.options import reader
 from celltrain.cli.outputs import check_folder
 from celltrain.parameters import CaseError
@@ -33,6 +34,8 @@ from celltrain.study import (
     scheduled_workers,
 )
 
+#: Exit status when the workers of a study were lost.
+WORKERS_LOST = 4
 # Cases take minutes, so the time left follows from the last hour.
 SPEED_PERIOD = 3600.0
 
@@ -66,7 +69,7 @@ def compute(study: Study, run: Run, errors: Console) -> dict[tuple[int, ...], Re
 
     Raises:
         CaseError: for workers or a folder that are not allowed.
-        WorkersLost, KeyboardInterrupt: with what is kept as the message.
+        CommandFailed, KeyboardInterrupt: with what is kept as the message.
     """
     if run.workers is not None and run.scheduler is not None:
         raise CaseError("workers and scheduler are not allowed together: give one of them")
@@ -96,7 +99,7 @@ def compute(study: Study, run: Run, errors: Console) -> dict[tuple[int, ...], Re
             " the same command goes on with the others"
         )
         if isinstance(stopped, WorkersLost):
-            raise WorkersLost(f"{stopped}; {kept}") from None
+            raise CommandFailed(f"{stopped}; {kept}", WORKERS_LOST) from None
         raise KeyboardInterrupt(kept) from None
 
 

@@ -9,19 +9,20 @@ from rich.console import Console
 from rich.table import Table
 
 from celltrain.cli.analyses import Analysis, analyse
-from celltrain.cli.arguments import CaseFile, Json, Numbers, Plot, Quiet, Start
+from celltrain.cli.arguments import Accuracy, CaseFile, Json, Numbers, Plot, Quiet, Start
 from celltrain.cli.compute import Request
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import CaseError, Train
-from celltrain.pictures import draw_transient_growth
 from celltrain.results import summary
 from celltrain.stability import (
+    ACCURACY,
     NORMS,
     BlockGrowth,
     Norm,
     StrainNorm,
     TransientGrowth,
+    check_accuracy,
     check_linearisable,
     stability,
     transient_growth,
@@ -43,6 +44,7 @@ def transient(
     norm: NormName = "paper",
     until: Until = 10.0,
     azimuthal_numbers: Numbers = None,
+    accuracy: Accuracy = ACCURACY,
     start: Start = None,
     plot: Plot = None,
     json: Json = False,
@@ -55,19 +57,27 @@ def transient(
 
     def check(train: Train) -> None:
         check_linearisable(train, azimuthal_numbers)
+        check_accuracy(accuracy)
         if not (np.isfinite(until) and until > 0.0):
             raise CaseError(f"until = {until:g} is not allowed; allowed: a number > 0")
 
-    def compute(base: Base, reporter: Reporter) -> TransientGrowth:
+    def compute(train: Train, start: Base | None, reporter: Reporter) -> TransientGrowth:
         result = stability(
-            base,
+            train,
+            start=start,
+            accuracy=accuracy,
             azimuthal_numbers=azimuthal_numbers,
             estimate_error=False,
             progress=reporter.share,
+            iteration=reporter.iteration,
+            tell=reporter.log,
         )
-        return transient_growth(result, norm=_norm(norm, base.train), until=until)
+        return transient_growth(result, norm=_norm(norm, result.base.train), until=until)
 
     def pictures(growth: TransientGrowth, folder: Path) -> list[Path]:
+        # Drawing takes half a second to load.
+        from celltrain.pictures import draw_transient_growth
+
         return [draw_transient_growth(growth, folder / "transient_growth.png")]
 
     request = Request(case=case, start=start, plot=plot, json=json, quiet=quiet)

@@ -16,6 +16,7 @@ from celltrain.results.replace import replace_file
 from celltrain.results.version import version
 from celltrain.stability import ErrorBar, Mode, Stability, TransientMode
 from celltrain.steady import Base, Iteration
+from celltrain.steady.degree import Convergence
 
 _BLOCKS = ("blocks", "eigenvalues", "right_vectors", "left_vectors")
 _BASE_SCALARS = (
@@ -149,6 +150,9 @@ def _stability_variables(result: Stability) -> dict[str, Any]:
         "azimuthal_numbers": np.array(result.azimuthal_numbers, dtype=np.int64),
         "wave_numbers": np.asarray(result.wave_numbers),
         **{name: getattr(result, name) for name in _STABILITY_SCALARS},
+        "convergence_degrees": np.array(result.convergence.degrees, dtype=np.int64),
+        "convergence_least": result.convergence.least,
+        "convergence_abscissas": np.array(result.convergence.values, dtype=float),
         "norm": _strings(result.numerical_abscissas),
         "numerical_abscissas": np.array(list(result.numerical_abscissas.values()), dtype=float),
         "stage": _strings(result.seconds),
@@ -217,6 +221,12 @@ def _read_stability(data: xr.Dataset, base: Base) -> Stability:
         spectral_abscissa=float(data["spectral_abscissa"]),
         numerical_abscissa=float(data["numerical_abscissa"]),
         error_estimate=float(data["error_estimate"]),
+        convergence=Convergence(
+            base.train.degree,
+            tuple(data["convergence_degrees"].values.tolist()),
+            tuple(data["convergence_abscissas"].values.tolist()),
+            float(data["convergence_least"]),
+        ),
         numerical_abscissas=_named(data, "norm", "numerical_abscissas"),
         transient=TransientMode(
             growth_rate=float(data["transient_growth_rate"]),

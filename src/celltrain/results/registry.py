@@ -174,13 +174,31 @@ QUANTITIES: dict[str, Quantity] = _table(
     ),
     Quantity("norm", "", "1", "name of the norm", ("norm",)),
     Quantity(
-        "error_estimate", "", "U/r0", "error of growth rates that the resolution leaves, estimated"
+        "error_estimate",
+        r"\delta\alpha",
+        "U/r0",
+        "error of the largest growth rate by what its changes with the degree leave",
     ),
+    Quantity(
+        "convergence_degrees",
+        "M",
+        "1",
+        "degrees at which the largest growth rate was computed",
+        ("degree",),
+    ),
+    Quantity(
+        "convergence_abscissas",
+        r"\alpha(M)",
+        "U/r0",
+        "largest growth rate at these degrees",
+        ("degree",),
+    ),
+    Quantity("convergence_least", "", "U/r0", "the smallest error that is stated"),
     Quantity("bar_mode", "", "1", "number of the mode that each error bar belongs to", ("bar",)),
     Quantity(
-        "bar_by_degree", "", "U/r0", "change of its eigenvalue by four degrees more", ("bar",)
+        "bar_by_degree", "", "U/r0", "what higher degrees leave of its eigenvalue", ("bar",)
     ),
-    Quantity("bar_by_rules", "", "U/r0", "change of its eigenvalue by finer grids", ("bar",)),
+    Quantity("bar_by_rules", "", "U/r0", "change of its eigenvalue by finer rules", ("bar",)),
     Quantity("bar_overlap", "", "1", "overlap with the mode in these computations", ("bar",)),
     Quantity(
         "transient_growth_rate", r"\eta", "U/r0", "initial growth rate of the transient disturbance"

@@ -8,8 +8,15 @@ from rich.table import Table
 from rich.text import Text
 
 from celltrain.parameters import Train, paper_units
+from celltrain.parameters.resolution import LARGEST_DEGREE
 from celltrain.results.version import version
-from celltrain.stability import Mode, Stability, neutral_defects
+from celltrain.stability import (
+    NEAR_DOUBLE,
+    Mode,
+    Stability,
+    leading_condition,
+    neutral_defects,
+)
 from celltrain.steady import Base
 
 #: A growth rate up to this (U/r0), or up to the resolution's own error, counts as none.
@@ -30,6 +37,7 @@ def print_report(result: Base | Stability, console: Console | None = None) -> No
         console.print()
         console.print(_verdict_line(result))
         console.print(_rates(result))
+        console.print(_degrees(result), style="dim", highlight=False)
         console.print(_modes_table(result))
     console.print(_seconds(result.seconds), style="dim")
 
@@ -52,7 +60,7 @@ def verdict(result: Stability) -> str:
     if error >= alpha:
         return (
             f"not resolved: the largest growth rate {alpha:.1e} U/r0 is below its own error"
-            f" {error:.1e} U/r0; a higher degree is needed"
+            f" {error:.1e} U/r0; {_remedy(result)}"
         )
     mode = result.leading
     distance = result.base.cell_velocity / alpha
@@ -61,6 +69,12 @@ def verdict(result: Stability) -> str:
         f" it {_motion(mode, result.base.train.cells)} (m = {mode.azimuthal_number},"
         f" {_wave_number(mode, result.base.train.cells)})"
     )
+
+
+def _remedy(result: Stability) -> str:
+    if result.base.train.degree == LARGEST_DEGREE:
+        return "no higher degree is offered"
+    return "a higher degree, or none, so that it rises by itself, is needed"
 
 
 def leading_error(result: Stability) -> float:
@@ -144,6 +158,25 @@ def _rates(result: Stability) -> Table:
     ):
         table.add_row(name, _rate(rate), _rate(paper_units.rate(rate)))
     return table
+
+
+def _degrees(result: Stability) -> str:
+    """How the growth rate changes with the degree, and whether it is close to a double one."""
+    convergence = result.convergence
+    lines = []
+    if convergence.degrees:
+        rates = ", ".join(
+            f"{_rate(rate)} ({degree})"
+            for degree, rate in zip(convergence.degrees, convergence.values, strict=True)
+        )
+        lines.append(f"degree {result.base.train.degree}; alpha at each degree: {rates}")
+    condition = leading_condition(result)
+    if condition > NEAR_DOUBLE:
+        lines.append(
+            f"close to a double eigenvalue (condition number {condition:.0f}): errors grow as the"
+            " root of those of the dynamics"
+        )
+    return "\n".join(lines)
 
 
 def _rate(rate: float) -> str:

@@ -4,7 +4,14 @@ import math
 from typing import Any
 
 from celltrain.results.version import version
-from celltrain.stability import ErrorBar, Mode, NeutralDefect, Stability, neutral_defects
+from celltrain.stability import (
+    ErrorBar,
+    Mode,
+    NeutralDefect,
+    Stability,
+    leading_condition,
+    neutral_defects,
+)
 from celltrain.steady import Base
 
 #: How many of the leading modes a summary lists.
@@ -17,8 +24,9 @@ def summary(result: Base | Stability) -> dict[str, Any]:
     Always there: `version`, `case` (in the sections of a case file), `cell_velocity`, `gap`,
     `largest_radius`, `effective_viscosity`, `residual`, `truncation_error`,
     `velocity_error`, `origin`, `seconds`. Of a :class:`Stability` also `spectral_abscissa`,
-    `numerical_abscissa`, `numerical_abscissas`, `error_estimate` and `leading_modes`, sorted by
-    growth rate, `neutral_defects` (what the dynamics makes of neutral modes before deflation), and
+    `numerical_abscissa`, `numerical_abscissas`, `error_estimate` with the `degree` and the
+    `convergence` that tell it, the `condition_number` of the leading eigenvalue, `leading_modes`,
+    sorted by growth rate, `neutral_defects` (what the dynamics makes of neutral modes before deflation), and
     if they were asked for `error_bars` and with them `growth_sign` (1, -1, or 0 where the bars do
     not tell). Numbers that are not finite become None.
     """
@@ -41,6 +49,12 @@ def summary(result: Base | Stability) -> dict[str, Any]:
             "numerical_abscissa": result.numerical_abscissa,
             "numerical_abscissas": result.numerical_abscissas,
             "error_estimate": result.error_estimate,
+            "degree": result.base.train.degree,
+            "convergence": {
+                "degrees": list(result.convergence.degrees),
+                "spectral_abscissas": list(result.convergence.values),
+            },
+            "condition_number": leading_condition(result),
             "leading_modes": [_mode(mode) for mode in result.modes[:LEADING_MODES]],
             "neutral_defects": [_defect(defect) for defect in neutral_defects(result)],
             "error_bars": [_bar(bar) for bar in result.error_bars],

@@ -1,9 +1,11 @@
 """Linear stability of steady trains."""
 
 from celltrain.stability.adjoint import (
+    NEAR_DOUBLE,
     StructuralSensitivity,
     biorthogonality_error,
     condition_number,
+    leading_condition,
     mode_vectors,
     receptivity,
     structural_sensitivity,
@@ -72,6 +74,7 @@ from celltrain.stability.transient import (
 
 __all__ = [
     "ACCURACY",
+    "NEAR_DOUBLE",
     "NORMS",
     "NUMBERS",
     "BlockGrowth",
@@ -111,6 +114,7 @@ __all__ = [
     "growth_without_neighbours",
     "infinite_train",
     "kreiss_constant",
+    "leading_condition",
     "linear_blocks",
     "mode_vectors",
     "neutral_defects",

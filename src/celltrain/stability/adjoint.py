@@ -30,6 +30,10 @@ from celltrain.stability.result import Mode, Stability
 
 Meridian = Float[np.ndarray, " point"]
 
+#: Condition number above which an eigenvalue is called close to a double one; those of trains are 3
+#: to 10 otherwise.
+NEAR_DOUBLE = 20.0
+
 
 @dataclass(frozen=True)
 class StructuralSensitivity:
@@ -113,6 +117,15 @@ def condition_number(result: Stability, mode: Mode, *, norm: Norm | None = None)
     left, right = mode_vectors(result, mode)
     left, right = block.lift.T @ left, block.reduce @ right
     return float(np.linalg.norm(left) * np.linalg.norm(right) / abs(left.conj() @ right))
+
+
+def leading_condition(result: Stability) -> float:
+    """Condition number of the leading eigenvalue.
+
+    Above `NEAR_DOUBLE` it is close to meeting another one, where an error e of the dynamics becomes
+    one of the order of its root, sqrt(e).
+    """
+    return condition_number(result, result.leading)
 
 
 def receptivity(

@@ -27,8 +27,9 @@ from celltrain.steady.solve import with_velocity_error
 
 
 def stability(
-    start: Train | Base,
+    case: Train | Base,
     *,
+    start: Base | None = None,
     accuracy: float = ACCURACY,
     azimuthal_numbers: Sequence[int] | None = None,
     estimate_error: bool = True,
@@ -45,8 +46,9 @@ def stability(
 
     **Arguments:**
 
-    - `start`: a case, or a steady train. The degree of a case that has none rises (12, 16, 20, 24,
+    - `case`: a case, or a steady train of it. The degree of a case that has none rises (12, 16, 20, 24,
       32, 40, 48) until alpha is known to the accuracy; otherwise it is what it is.
+    - `start`: a steady train of another case to go on from.
     - `accuracy`: of alpha, relative; where that is less, 1e-4 U/r0 are enough.
     - `azimuthal_numbers`: those to compute, 0 to M; all if not given.
     - `estimate_error`: of a given degree, by the abscissas at higher ones.
@@ -59,10 +61,10 @@ def stability(
     **Raises:** `CaseError` for what is not allowed, `NotConverged` if there is no steady train.
     """
     begin = time.perf_counter()
-    train = start.train if isinstance(start, Base) else start
+    train = case.train if isinstance(case, Base) else case
     check_linearisable(train, azimuthal_numbers)
     asked = NUMBERS if azimuthal_numbers is None else azimuthal_numbers
-    ladder = AbscissaLadder(start, [m for m in asked if m in NUMBERS] or asked)
+    ladder = AbscissaLadder(case, [m for m in asked if m in NUMBERS] or asked, start=start)
     timings: dict[str, float] = {}
     while True:
         with timed(timings, "degree"):

@@ -15,14 +15,17 @@ from celltrain.stability.neutral import neutral_space
 from celltrain.stability.spectrum import growing_eigenvalues
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.steady.base import IterationProgress
-from celltrain.steady.degree import Convergence, higher, raised, remaining
+from celltrain.steady.degree import FEWEST, Convergence, higher, raised, remaining
 from celltrain.steady.solve import at_degree
 
 #: Azimuthal numbers of the modes that matter in nearly all trains; others are added where they
 #: lead.
 NUMBERS = (0, 1, 2, 3)
-#: Accuracy of growth rates unless told otherwise: relative, and in U/r0 where that is less strict.
-ACCURACY, SMALL_RATE = 0.01, 1e-4
+#: Relative accuracy of growth rates unless told otherwise.
+ACCURACY = 0.01
+#: Per accuracy, the error in U/r0 that is small enough for any growth rate (1e-4 at the usual
+#: accuracy), and the smallest that is stated.
+SMALL_RATE, LEAST_ERROR = 1e-2, 1e-3
 # What is left open at the highest degree, relative to the error that it is to tell.
 KNOWN = 0.25
 
@@ -32,20 +35,26 @@ Tell = Callable[[str], None]
 class AbscissaLadder:
     """Steady trains and spectral abscissas of one case at several degrees.
 
-    **Arguments:** `start`: the case, or a steady train of it; `numbers`: azimuthal numbers to look
-    at; `phases`: q in radians per cell, those of the train's N cells if not given.
+    **Arguments:** `case`: the case, or a steady train of it; `numbers`: azimuthal numbers to look
+    at; `phases`: q in radians per cell, those of the train's N cells if not given; `start`: a steady
+    train of another case to go on from.
     """
 
     def __init__(
-        self, start: Train | Base, numbers: Sequence[int], phases: Sequence[float] | None = None
+        self,
+        case: Train | Base,
+        numbers: Sequence[int],
+        phases: Sequence[float] | None = None,
+        *,
+        start: Base | None = None,
     ) -> None:
         self._start = start
-        self._train = start.train if isinstance(start, Base) else start
+        self._train = case.train if isinstance(case, Base) else case
         self._numbers = tuple(numbers)
         waves = range(self._train.cells // 2 + 1)
         own = tuple(2.0 * np.pi * j / self._train.cells for j in waves)
         self._phases = own if phases is None else tuple(phases)
-        self._bases = {start.train.degree: start} if isinstance(start, Base) else {}
+        self._bases = {case.train.degree: case} if isinstance(case, Base) else {}
         self._found: dict[tuple[int, int], float] = {}
 
     def base(self, degree: int, iteration: IterationProgress | None = None) -> Base:
@@ -59,7 +68,9 @@ class AbscissaLadder:
                 self._bases[degree] = at_degree(nearest, degree)
             else:
                 train = self._train.changed(degree=degree)
-                self._bases[degree] = steady(train, estimate_error=False, progress=iteration)
+                self._bases[degree] = steady(
+                    train, start=self._start, estimate_error=False, progress=iteration
+                )
         return self._bases[degree]
 
     def abscissa(self, degree: int) -> float:
@@ -85,7 +96,7 @@ class AbscissaLadder:
         own = self._train.resolution.degree
         if own is not None:
             self.base(own, iteration)
-            return self._with_error(own, tell) if estimate_error else Convergence(own)
+            return self._with_error(own, accuracy, tell) if estimate_error else Convergence(own)
 
         def abscissa(degree: int) -> float:
             self.base(degree, iteration)
@@ -93,9 +104,11 @@ class AbscissaLadder:
             tell(f"degree {degree}: largest growth rate {value:.6f} U/r0")
             return value
 
-        return raised(abscissa, lambda found: accurate(found, accuracy))
+        return raised(
+            abscissa, lambda found: accurate(found, accuracy), least=LEAST_ERROR * accuracy
+        )
 
-    def _with_error(self, degree: int, tell: Tell) -> Convergence:
+    def _with_error(self, degree: int, accuracy: float, tell: Tell) -> Convergence:
         """The abscissa at a degree and at higher ones, until these tell its error.
 
         At the highest degrees lower ones take their place.
@@ -109,13 +122,15 @@ class AbscissaLadder:
             tell(f"for the error, degree {above}: largest growth rate {values[-1]:.6f} U/r0")
             degrees.append(above)
             error = abs(values[0] - values[-1])
-            if len(values) > 2 and remaining(values) <= max(KNOWN * error, SMALL_RATE):
+            if len(values) >= FEWEST and remaining(values) <= max(
+                KNOWN * error, SMALL_RATE * accuracy
+            ):
                 break
         for below in (degree - 4, degree - 8):
-            if len(values) < 3 and below >= LEAST_DEGREE:
+            if len(values) < FEWEST and below >= LEAST_DEGREE:
                 degrees.insert(0, below)
                 values.insert(0, self.abscissa(below))
-        return Convergence(degree, tuple(degrees), tuple(values))
+        return Convergence(degree, tuple(degrees), tuple(values), LEAST_ERROR * accuracy)
 
     def look_at(self, m: int) -> None:
         """Add an azimuthal number."""
@@ -141,8 +156,8 @@ class AbscissaLadder:
 
 
 def accurate(convergence: Convergence, accuracy: float) -> bool:
-    """Whether the last value is known to a relative accuracy, or to `SMALL_RATE`."""
-    return convergence.left <= max(accuracy * abs(convergence.values[-1]), SMALL_RATE)
+    """Whether the last value is known to a relative accuracy, or to a small rate."""
+    return convergence.left <= accuracy * max(abs(convergence.values[-1]), SMALL_RATE)
 
 
 def check_accuracy(accuracy: float) -> None:

@@ -157,8 +157,9 @@ class InfiniteTrain:
 
 
 def infinite_train(
-    start: Train | Base,
+    case: Train | Base,
     *,
+    start: Base | None = None,
     phases: Sequence[float] | Phases | None = None,
     azimuthal_numbers: Sequence[int] = NUMBERS,
     norm: Norm | None = None,
@@ -174,13 +175,13 @@ def infinite_train(
 
     **Arguments:**
 
-    - `start`: a case or a steady train; the number of cells does not matter. The degree of a case
+    - `case`: a case or a steady train of it; the number of cells does not matter. The degree of a case
       that has none rises as in `stability`.
     - `phases`: q in radians per cell, rising, 0 or from 0.001 to pi; 17 in equal steps from 0
       to pi if not given.
     - `azimuthal_numbers`: m, each from 0 to the degree.
     - `norm`: of eta_m(q); that of the paper, Eq. (8), if not given.
-    - `accuracy`, `estimate_error`, `iteration`, `tell`: as for `stability`; the error is that of
+    - `start`, `accuracy`, `estimate_error`, `iteration`, `tell`: as for `stability`; the error is that of
       the largest growth rate at the phases looked at.
     - `progress`: called with (azimuthal numbers done, all).
 
@@ -191,11 +192,11 @@ def infinite_train(
     """
     begin = time.perf_counter()
     numbers = tuple(azimuthal_numbers)
-    check_linearisable(start if isinstance(start, Train) else start.train, numbers)
+    check_linearisable(case if isinstance(case, Train) else case.train, numbers)
     samples = np.linspace(0.0, np.pi, SAMPLES) if phases is None else np.array(phases)
     check_phases(samples)
     norm = PaperNorm() if norm is None else norm
-    ladder = AbscissaLadder(start, numbers, [float(q) for q in samples])
+    ladder = AbscissaLadder(case, numbers, [float(q) for q in samples], start=start)
     convergence = ladder.resolved(
         accuracy, estimate_error=estimate_error, iteration=iteration, tell=tell
     )

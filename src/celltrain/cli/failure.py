@@ -1,0 +1,9 @@
+"""How a command ends that cannot do what it was asked for."""
+
+
+class CommandFailed(RuntimeError):
+    """The message to show, and the exit status that goes with it."""
+
+    def __init__(self, message: str, status: int) -> None:
+        super().__init__(message)
+        self.status = status
