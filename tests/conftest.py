@@ -26,6 +26,7 @@ from celltrain.harmonics import azimuthal_basis, real_harmonics
 from celltrain.parameters import Train
 from celltrain.stability import Mode, Stability, TransientMode, stability
 from celltrain.steady import Base, Iteration, steady
+from celltrain.steady.degree import Convergence
 
 
 def bullet(degree: int) -> np.ndarray:
@@ -129,6 +130,7 @@ def make_stability(make_base: Callable[..., Base]) -> Callable[..., Stability]:
             numerical_abscissa=1.954,
             numerical_abscissas={"paper": 1.954, "orthonormal": 1.741, "surface": 1.6},
             error_estimate=error,
+            convergence=Convergence(base.train.degree),
             transient=TransientMode(1.954, 1, waves - 1, right[1][waves - 1, :, 0]),
             seconds={
                 "compile": 1.25,
