@@ -29,6 +29,8 @@ MARCH_DEGREE = 12
 KNOWN_VELOCITY = 1e-4
 # Where a detour begins: a tube and a period, relative to the cell at rest, that make it easy.
 EASY_DIAMETER, EASY_PERIOD = 1.5, 2.0
+# Points of smooth sources beyond which a detour comes first.
+CROWDED = 200
 # What is reported of the velocity's error over the largest difference found.
 MARGIN = 1.5
 
@@ -124,16 +126,16 @@ class _Search:
         """By the march, or a detour; then to the degree."""
         low = train.changed(degree=min(train.degree, MARCH_DEGREE), **_no_sizes(train))
         origin = "march from the resting shape"
-        marched = self._march(low)
-        if not marched.complete:
-            easy = easier(low)
-            if easy is not None:
-                begun = self._march(easy)
-                if begun.complete:
-                    origin = f"march from the resting shape with {describe_change(easy, low)}"
-                    profile = begun.iterated.state.profile
-                    marched = self._follow(easy, profile, low, first=0.125)
-                    marched = _joined(begun, marched)
+        easy = easier(low)
+        marched = None if easy is not None and crowded(low) else self._march(low)
+        if easy is not None and (marched is None or not marched.complete):
+            begun = self._march(easy)
+            if begun.complete:
+                origin = f"march from the resting shape with {describe_change(easy, low)}"
+                profile = begun.iterated.state.profile
+                marched = _joined(begun, self._follow(easy, profile, low, first=0.125))
+        if marched is None:
+            marched = self._march(low)
         if not marched.complete or low == train:
             return marched, origin
         return _joined(marched, self._to_degree(low, marched.iterated.state.profile, train)), origin
@@ -220,6 +222,16 @@ def easier(train: Train) -> Train | None:
     if wide == train.tube.diameter and sparse == train.packing:
         return None
     return train.changed(diameter=wide, packing=sparse)
+
+
+def crowded(train: Train) -> bool:
+    """Whether cells at rest are so close to each other or the wall that a march from there is slow.
+
+    It hardly ever leads anywhere either.
+    """
+    problem = SteadyProblem(train)
+    rules = problem.rules(problem.rest)
+    return not problem.fits(problem.rest) or max(rules.sources, rules.image_sources) > CROWDED
 
 
 def with_velocity_error(base: Base) -> Base:
