@@ -10,8 +10,8 @@ import xarray as xr
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Train, steady
-from celltrain.cli import analyses, main
 from celltrain.cli import branch as command
+from celltrain.cli import main
 from celltrain.continuation import (
     Branch,
     BranchPoint,
@@ -169,7 +169,7 @@ def test_command_begins_at_a_flow_of_a_strength(
         asked.append(base.train)
         return made_up
 
-    monkeypatch.setattr(analyses, "steady", lambda train, **_: replace(single, train=train))
+    monkeypatch.setattr(command, "steady", lambda train, **_: replace(single, train=train))
     monkeypatch.setattr(command, "follow", found)
     case = ["branch", "--diameter", "6", "--packing", "0.3", "--degree", "6", "--quiet", "--json"]
     assert main([*case, "--along", "capillary_number", "--from", "1.5", "--to", "2"]) == 3
@@ -192,7 +192,7 @@ def test_command(
         asked.append((base.train.leaf(along), to))
         return made_up
 
-    monkeypatch.setattr(analyses, "steady", lambda train, **_: replace(single, train=train))
+    monkeypatch.setattr(command, "steady", lambda train, **_: replace(single, train=train))
     monkeypatch.setattr(command, "follow", found)
     case = ["branch", "--diameter", "6", "--packing", "0.3", "--degree", "6", "--quiet"]
     along = ["--along", "shear_modulus", "--from", "1.25", "--to", "1.5"]

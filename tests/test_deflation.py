@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, load
-from celltrain.cli import analyses, main
+from celltrain.cli import main
 from celltrain.cli import search as command
 from celltrain.continuation import (
     BranchSearch,
@@ -180,7 +180,7 @@ def test_command(
             progress(each)
         return searched
 
-    monkeypatch.setattr(analyses, "steady", lambda train, **_: searched.known)
+    monkeypatch.setattr(command, "steady", lambda train, **_: searched.known)
     monkeypatch.setattr(command, "search_trains", compute)
     case = ["search", "--diameter", "6", "--packing", "0.3", "--degree", "6"]
     files = ["-o", str(tmp_path / "trains.nc"), "--plot", str(tmp_path)]

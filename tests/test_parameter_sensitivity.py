@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Mode, Stability, Train, save
-from celltrain.cli import analyses, main
+from celltrain.cli import main
 from celltrain.cli import sensitivity as command
 from celltrain.harmonics import coefficients_of
 from celltrain.meridian.rules import Rules
@@ -272,8 +272,7 @@ def test_command(
         asked.append((mode, parameters))
         return sensitivities
 
-    monkeypatch.setattr(analyses, "steady", lambda train, **_: coarse_stability.base)
-    monkeypatch.setattr(command, "stability", lambda base, **_: coarse_stability)
+    monkeypatch.setattr(command, "stability", lambda train, **_: coarse_stability)
     monkeypatch.setattr(command, "parameter_sensitivities", compute)
     path = tmp_path / "found.nc"
     result = save(coarse_stability.base, tmp_path / "train.nc")

@@ -3,17 +3,16 @@
 import json
 from dataclasses import replace
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.linalg
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability
-from celltrain.cli import analyses, main
+from celltrain.cli import main
 from celltrain.cli import transient as command
 from celltrain.harmonics import azimuthal_basis
+from celltrain.membrane import axisymmetric_membrane, cell_material, resting_shape
 from celltrain.pictures import draw_transient_growth
 from celltrain.stability import (
     NORMS,
@@ -33,7 +32,6 @@ from celltrain.stability import (
 from celltrain.stability.neutral import NeutralSpace
 from celltrain.stability.strain_norm import rigid_motions
 from celltrain.stability.transient import growth_peak
-from celltrain.train import train_membrane
 
 COUPLING = 10.0
 JORDAN = np.array([[-1.0, COUPLING], [0.0, -1.0]], dtype=complex)
@@ -222,8 +220,7 @@ def test_picture(coarse_stability: Stability, tmp_path) -> None:
 
 def test_command(coarse_stability, monkeypatch, tmp_path, capsys) -> None:
     result = replace(coarse_stability)
-    monkeypatch.setattr(analyses, "steady", lambda train, **_: result.base)
-    monkeypatch.setattr(command, "stability", lambda base, **_: result)
+    monkeypatch.setattr(command, "stability", lambda train, **_: result)
     case = ["transient", "--diameter", "6", "--packing", "0.3", "--cells", "3", "--degree", "6"]
     arguments = ["--norm", "surface", "--until", "4", "--plot", str(tmp_path), "--quiet"]
     assert main([*case, *arguments, "--json"]) == 0
