@@ -11,8 +11,6 @@ from numpy.testing import assert_allclose
 from celltrain import Base, CaseError, Stability
 from celltrain.cli import main
 from celltrain.cli import transient as command
-from celltrain.harmonics import azimuthal_basis
-from celltrain.membrane import axisymmetric_membrane, cell_material, resting_shape
 from celltrain.pictures import draw_transient_growth
 from celltrain.stability import (
     NORMS,
@@ -26,7 +24,6 @@ from celltrain.stability import (
     numerical_abscissa,
     optimal_disturbance,
     propagator_norm,
-    second_variation,
     transient_growth,
 )
 from celltrain.stability.neutral import NeutralSpace
@@ -163,29 +160,6 @@ def test_peak_is_not_below_its_neighbours(coarse_stability: Stability) -> None:
     initial, final = optimal.shapes(coarse_stability)
     assert initial.shape == final.shape == (3, 3, 36)
     assert_allclose(np.linalg.norm(initial, axis=(1, 2)).max(), 1.0, rtol=1e-12)
-
-
-def test_second_variation_is_that_of_the_energy(coarse_base: Base) -> None:
-    membrane = train_membrane(coarse_base.train)
-    random = np.random.default_rng(3)
-    rest = np.asarray(membrane.reference_shape)
-    energy = eqx.filter_jit(membrane.energy)
-    for m in (0, 1, 3):
-        basis = azimuthal_basis(6, m)
-        amounts = random.normal(size=len(basis)) / np.arange(1, len(basis) + 1) ** 2
-        direction = np.einsum("u,uik->ik", amounts, basis)
-        for shape in (rest, coarse_base.coefficients):
-            gram = second_variation(membrane, shape, [0, 1, 3])[m]
-            step = 1e-3
-            energies = [
-                float(energy(jnp.asarray(shape + e * step * direction))) for e in (-1, 0, 1)
-            ]
-            expected = (energies[0] - 2.0 * energies[1] + energies[2]) / step**2
-            assert_allclose(amounts @ gram @ amounts, expected, rtol=2e-4)
-        at_rest = second_variation(membrane, rest, [m])[m]
-        lowest = scipy.linalg.eigvalsh(at_rest)
-        assert lowest[0] > -1e-10 * lowest[-1]
-        assert_allclose(at_rest @ rigid_motions(rest, m), 0.0, atol=1e-9)
 
 
 def test_strain_norm_counts_rigid_motions_by_displacement(coarse_base: Base) -> None:
