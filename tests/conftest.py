@@ -12,7 +12,6 @@ from jaxtyping import install_import_hook
 TYPED = (
     "harmonics",
     "membrane",
-    "meridian",
     "flow",
     "train",
     "steady",
