@@ -85,9 +85,11 @@ class Ways:
     def _first(self, ways: list[tuple[Callable[[], Followed], str]]) -> tuple[Followed, str]:
         """The first way that leads to the train."""
         before: Followed | None = None
-        for way, origin in ways:
+        origin = ""
+        for way, how in ways:
             found = way()
             before = found if before is None else _joined(before, found)
+            origin = how
             if before.complete or self.left <= 0:
                 break
         assert before is not None
