@@ -27,20 +27,18 @@ from celltrain.continuation import BoundaryPoint, Steps, stability_boundary
 from celltrain.pictures import draw_error_bars, draw_stability_boundary
 from celltrain.stability import with_error_bars
 
-DEGREE = 8
-# The start is reached through the sparser one.
-PACKINGS = (0.3, 0.4)
+DEGREE = 12
+# A train in which the tilt still grows.
+PACKING = 0.38
 MODES = 3
 
 
 def main(folder: Path = Path("out/boundary")) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    output, start = Console(), None
-    for packing in PACKINGS:
-        train = Train(diameter=6, packing=packing, cells=2, degree=DEGREE)
-        with Reporter(Console(stderr=True), quiet=False) as reporter:
-            start = steady(train, start=start, progress=reporter.iteration)
-    assert start is not None
+    output = Console()
+    train = Train(diameter=6, packing=PACKING, cells=2, degree=DEGREE)
+    with Reporter(Console(stderr=True), quiet=False) as reporter:
+        start = steady(train, progress=reporter.iteration)
 
     def show(point: BoundaryPoint) -> None:
         output.print(
