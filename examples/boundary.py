@@ -10,7 +10,7 @@ Scaling. Lengths in r0, velocities in U, rates in U/r0; q = 0, m = 1, tubes of d
 Reference. Bryngelson and Freund, Phys. Rev. Fluids 3, 073101 (2018), Fig. 6, where the marginal
 region begins at a packing of 0.4. The curve itself is not in the paper.
 
-Run time. About six minutes on two cores, the first time some more for compilation.
+Run time. About ten seconds on two cores.
 
 Command. ``python examples/boundary.py [FOLDER]``; the table goes to standard output, pictures to
 out/boundary unless told otherwise. Interrupted, it has printed what it found.
@@ -28,8 +28,8 @@ from celltrain.pictures import draw_error_bars, draw_stability_boundary
 from celltrain.stability import with_error_bars
 
 DEGREE = 12
-# A train in which the tilt still grows.
-PACKING = 0.38
+# A train close to the boundary, in which the tilt still grows.
+PACKING = 0.388
 MODES = 3
 
 
