@@ -36,8 +36,8 @@ class AbscissaLadder:
     """Steady trains and spectral abscissas of one case at several degrees.
 
     **Arguments:** `case`: the case, or a steady train of it; `numbers`: azimuthal numbers to look
-    at; `phases`: q in radians per cell, those of the train's N cells if not given; `start`: a steady
-    train of another case to go on from.
+    at; `phases`: q in radians per cell, those of the train's N cells if not given; `start`: a
+    steady train of another case to go on from.
     """
 
     def __init__(

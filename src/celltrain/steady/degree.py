@@ -14,6 +14,7 @@ Three degrees are the fewest that tell.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 #: The degrees that are tried, one after another.
 DEGREES = (12, 16, 20, 24, 32, 40, 48)
@@ -50,11 +51,11 @@ class Convergence:
 
 def remaining(values: Sequence[float]) -> float:
     """What a sequence leaves open (see the module); not a number for one value alone."""
-    changes = [abs(b - a) for a, b in zip(values[:-1], values[1:], strict=True)]
+    changes = [abs(b - a) for a, b in pairwise(values)]
     if not changes:
         return math.nan
     last = len(changes) - 1
-    rates = [b / a for a, b in zip(changes[:-1], changes[1:], strict=True) if a > 0.0]
+    rates = [b / a for a, b in pairwise(changes) if a > 0.0]
     rate = min(max(rates[-1], BEST_RATE), WORST_RATE) if rates else WORST_RATE
     recent = range(max(0, last + 1 - CHANGES), last + 1)
     envelope = max(changes[place] * rate ** (last - place) for place in recent)
