@@ -21,11 +21,10 @@ from celltrain.continuation import branch as follow
 from celltrain.continuation.branch import ALONG
 from celltrain.parameters import CaseError, Train
 from celltrain.parameters.resolution import LEAST_DEGREE
-from celltrain.pictures.branch import draw_branch
 from celltrain.results import summary
 from celltrain.stability import NUMBERS, Stability, stability
-from celltrain.steady import Base
-from celltrain.train import with_parameter
+from celltrain.steady import Base, steady
+from celltrain.steady.parameters import with_parameter
 
 INTERRUPTED = 130
 
@@ -100,6 +99,7 @@ def branch(
         def show(point: BranchPoint) -> None:
             reporter.log(f"{along} = {point.value:.6g}  {_numbers(point)}")
 
+        base = steady(train, start=start, progress=reporter.iteration)
         found = follow(
             base,
             along,
@@ -112,6 +112,9 @@ def branch(
         return found
 
     def pictures(found: Branch, folder: Path) -> list[Path]:
+        # Drawing takes half a second to load.
+        from celltrain.pictures.branch import draw_branch
+
         return [draw_branch(found, folder / "branch.png")]
 
     def save(found: Branch, path: Path) -> None:

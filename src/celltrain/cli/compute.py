@@ -15,7 +15,6 @@ from rich.table import Table
 from celltrain.cli.outputs import check_folder, check_output, last_state_path
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import CaseError, Train, merge_case, read_case
-from celltrain.pictures import plot_all
 from celltrain.results import load, print_report, save, summary
 from celltrain.stability import (
     ACCURACY,
@@ -140,6 +139,9 @@ def _keep(result: Base | Stability, request: Request, reporter: Reporter) -> Non
         save(result, request.output)
         reporter.log(f"saved {request.output}")
     if request.plot:
+        # Drawing takes half a second to load.
+        from celltrain.pictures import plot_all
+
         for path in plot_all(result, request.plot):
             reporter.log(f"drew {path}")
 

@@ -12,7 +12,6 @@ from celltrain.cli.analyses import Analysis, analyse, save_dataset
 from celltrain.cli.compute import Request
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import Train
-from celltrain.pictures import draw_dispersion
 from celltrain.results import summary
 from celltrain.stability import (
     NUMBERS,
@@ -59,6 +58,9 @@ def run_infinite(
         )
 
     def pictures(result: InfiniteTrain, folder: Path) -> list[Path]:
+        # Drawing takes half a second to load.
+        from celltrain.pictures import draw_dispersion
+
         return [draw_dispersion(result, folder / "dispersion.png")]
 
     analysis = Analysis(check, compute, infinite_summary, print_infinite, pictures, _save)

@@ -18,9 +18,8 @@ from celltrain.cli.progress import Reporter
 from celltrain.continuation import BranchSearch, SearchTry, search_trains
 from celltrain.continuation.search import MOST_TRIES, check_tries
 from celltrain.parameters import Train
-from celltrain.pictures.search import draw_search
 from celltrain.results import save, summary
-from celltrain.steady import Base
+from celltrain.steady import Base, steady
 
 MostTries = Annotated[
     int,
@@ -67,10 +66,14 @@ def search(
             reporter.log(f"try {len(done)}: from {each.guess}: {each.outcome}")
             reporter.part("search for further trains", len(done), most_tries)
 
+        base = steady(train, start=start, progress=reporter.iteration)
         reporter.part("search for further trains", 0, most_tries)
         return search_trains(base, most_tries=most_tries, progress=show)
 
     def pictures(found: BranchSearch, folder: Path) -> list[Path]:
+        # Drawing takes half a second to load.
+        from celltrain.pictures.search import draw_search
+
         return [draw_search(found, folder / "search.png")]
 
     request = Request(case, start, output, plot, json, quiet)

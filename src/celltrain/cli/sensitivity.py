@@ -14,7 +14,6 @@ from celltrain.cli.compute import Request
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import CaseError, Train
-from celltrain.pictures import draw_parameter_sensitivities, draw_structural_sensitivity
 from celltrain.results import summary
 from celltrain.stability import (
     ACCURACY,
@@ -27,7 +26,7 @@ from celltrain.stability import (
     structural_sensitivity,
 )
 from celltrain.steady import Base
-from celltrain.train import PARAMETERS, check_parameters
+from celltrain.steady.parameters import PARAMETERS, check_parameters
 
 Source = Annotated[
     Path | None,
@@ -107,6 +106,9 @@ def sensitivity(
         )
 
     def pictures(result: Sensitivity, folder: Path) -> list[Path]:
+        # Drawing takes half a second to load.
+        from celltrain.pictures import draw_parameter_sensitivities, draw_structural_sensitivity
+
         return [
             draw_parameter_sensitivities(result.parameters, folder / "parameter_sensitivities.png"),
             draw_structural_sensitivity(result.structural, folder / "structural_sensitivity.png"),

@@ -14,7 +14,6 @@ from celltrain.cli.compute import Request
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import CaseError, Train
-from celltrain.pictures import draw_transient_growth
 from celltrain.results import summary
 from celltrain.stability import (
     ACCURACY,
@@ -76,6 +75,9 @@ def transient(
         return transient_growth(result, norm=_norm(norm, result.base.train), until=until)
 
     def pictures(growth: TransientGrowth, folder: Path) -> list[Path]:
+        # Drawing takes half a second to load.
+        from celltrain.pictures import draw_transient_growth
+
         return [draw_transient_growth(growth, folder / "transient_growth.png")]
 
     request = Request(case=case, start=start, plot=plot, json=json, quiet=quiet)

@@ -49,8 +49,8 @@ def mode_motion(result: Stability, mode: Mode | TransientMode) -> ModeMotion:
 
     omega the rotation of the cell's axes, Eq. (19), Omega that of the membrane, Eq. (20).
     The steady train does not turn, so to first order in the disturbance d the rotations are those
-    of the steady cell whose points move at the rates A d: exact, without a finite amplitude. Turning
-    about the tube's axis counts as tumbling.
+    of the steady cell whose points move at the rates A d: exact, without a finite amplitude.
+    Turning about the tube's axis counts as tumbling.
     """
     m, vector = mode.azimuthal_number, _vector(result, mode)
     basis = azimuthal_basis(result.base.train.degree, m)

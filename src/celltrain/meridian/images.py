@@ -11,8 +11,14 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.meridian.grids import HalfCircle, MeridianGrid, Profile
-from celltrain.meridian.kernels import EVEN, ODD, STRESS_EVEN, STRESS_ODD
-from celltrain.meridian.kernels import force_fields, stress_fields
+from celltrain.meridian.kernels import (
+    EVEN,
+    ODD,
+    STRESS_EVEN,
+    STRESS_ODD,
+    force_fields,
+    stress_fields,
+)
 from celltrain.meridian.moments import Moments
 from celltrain.meridian.own_surface import GROUP
 
@@ -103,8 +109,9 @@ def _image(
     for first in range(0, len(z), step):
         group = slice(first, first + step)
         shape = (3, len(z[group]), weights.size)
-        here, there = np.broadcast_to(points[:, None], shape), np.broadcast_to(
-            content[:, None], shape
+        here, there = (
+            np.broadcast_to(points[:, None], shape),
+            np.broadcast_to(content[:, None], shape),
         )
         even, odd = (np.empty((len(each), *shape[1:])) for each in names)
         kernel(rho[group], z[group], here, there, weights, even, odd)

@@ -17,7 +17,6 @@ gamma by G1 L gamma +(up)/-(down) G0 (zeta - z_t gamma), G1 = f ((P + 1) - P e)/
 Prefactor 1/8 pi. The moments serve all q.
 """
 
-
 import numpy as np
 from jaxtyping import Complex, Float
 

@@ -22,9 +22,9 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float
 
+from celltrain.harmonics import Profile
 from celltrain.membrane.axisymmetric import AxisymmetricMembrane
 from celltrain.meridian import flow_rate
-from celltrain.harmonics import Profile
 from celltrain.meridian.grids import HalfCircle, Meridian, MeridianGrid, meridian_grid
 from celltrain.meridian.images import ImageMoments, force_image
 from celltrain.meridian.moments import SINGLE, SLOPE, MemberMatrix, member_matrix
@@ -279,7 +279,9 @@ class TrainFlow:
         single = member_matrix(part.at, SINGLE, m)
         return -(single @ hessian) - member_matrix(part.at, SLOPE, m)
 
-    def _held(self, displaced: np.ndarray, forced: np.ndarray) -> Float[np.ndarray, "target member"]:
+    def _held(
+        self, displaced: np.ndarray, forced: np.ndarray
+    ) -> Float[np.ndarray, "target member"]:
         """The parabola that holds the flow rate."""
         change = flow_rate.extra_flux_change(
             self.source_forces[0],

@@ -194,7 +194,9 @@ class WallFlow:
         k = self._k[:, None, None]
         # d/dz: times ik.
         turned = np.stack([-k * sums[1], k * sums[0]])
-        return self._at_targets(self._response[1], sums), self._at_targets(self._response[0], turned)
+        return self._at_targets(self._response[1], sums), self._at_targets(
+            self._response[0], turned
+        )
 
     def _at_targets(self, response: np.ndarray, sums: Sums) -> np.ndarray:
         there = slice(self._waves.sources, None)

@@ -70,8 +70,9 @@ def uniform_response(
     inverse = np.linalg.inv(np.array([[1.0, 1.0], [-1.0, -ratio]]))
     for wall in range(2):
         first, second = inverse[:, wall]
-        value[wall, 0], value[wall, 1] = first * low + second * high, -first * low - (
-            ratio * second * high
+        value[wall, 0], value[wall, 1] = (
+            first * low + second * high,
+            -first * low - (ratio * second * high),
         )
         slope[wall, 0] = first * low_slope + second * high_slope
         slope[wall, 1] = -first * low_slope - ratio * second * high_slope
@@ -108,9 +109,11 @@ def ring_velocity(
     axial[2] += 2.0 * k_m * i_m
     found = np.empty((wave.size, 3, 3))
     for row, each in enumerate((0.5 * (plus + minus), 0.5 * (plus - minus), axial)):
-        found[:, row, 0], found[:, row, 1], found[:, row, 2] = each[0] + each[1], each[0] - each[
-            1
-        ], each[2]
+        found[:, row, 0], found[:, row, 1], found[:, row, 2] = (
+            each[0] + each[1],
+            each[0] - each[1],
+            each[2],
+        )
     return found
 
 

@@ -7,8 +7,8 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from celltrain.steady import Base
 from celltrain.meridian.geometry import meridian_points
+from celltrain.steady import Base
 
 CELLS = 3
 MARGIN = 0.35

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from celltrain.diagnostics.streamlines import MeridionalFlow, recirculation
-from celltrain.steady import Base
 from celltrain.meridian.geometry import meridian_points
+from celltrain.steady import Base
 
 # Levels of the stream function over that at the wall: few where fluid passes, more where it turns.
 PASSING = np.array([0.8, 0.5, 0.25, 0.1, 0.03, 0.01, 0.003])
