@@ -156,7 +156,7 @@ def test_the_steady_train_is_at_rest_in_its_frame(dynamics: Dynamics) -> None:
     assert_allclose(moved, dynamics.cell_velocity, rtol=1e-14)
     # What its frame takes with it is what the operator's rules leave.
     left = dynamics.steady_rates - dynamics.tube_rates(np.zeros_like(rates))
-    assert 1e-9 < dynamics.displacement(left) < 1e-4
+    assert 1e-9 < dynamics.displacement(left) < 1e-3
 
 
 def test_a_steady_train_stays_at_rest(coarse_base: Base) -> None:

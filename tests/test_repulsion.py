@@ -300,7 +300,16 @@ def test_the_command_takes_and_reports_the_repulsion(
 ) -> None:
     start, path = tmp_path / "start.nc", tmp_path / "run.nc"
     save(close, start)
-    arguments = ["evolve", str(start), "--degree", "6", "--disturbance", "random", "--amplitude", "0.01"]
+    arguments = [
+        "evolve",
+        str(start),
+        "--degree",
+        "6",
+        "--disturbance",
+        "random",
+        "--amplitude",
+        "0.01",
+    ]
     arguments += ["--until", "0.02", "-o", str(path), "--quiet", "--json"]
     assert main([*arguments, "--repulsion-range", "0.5"]) == 2
     assert "repulsion range = 0.5 is not allowed" in capsys.readouterr().err
