@@ -16,7 +16,7 @@ from celltrain.meridian.geometry import largest_radius, size_at_rest, streamwise
 from celltrain.parameters import Train
 from celltrain.steady.base import Base, IterationProgress, NotConverged
 from celltrain.steady.degree import DEGREES, raised
-from celltrain.steady.iterate import Iterated, march, newton
+from celltrain.steady.iterate import ROUNDING, Iterated, march, newton
 from celltrain.steady.path import Followed, change_degree, follow
 from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.room import check_room
@@ -145,18 +145,31 @@ class _Search:
         same = train.changed(degree=start.train.degree, **_no_sizes(train))
         if start.train.degree == train.degree:
             same = train
+        begun: Followed | None = None
         profile = start.profile
+        if start.residual > max(ROUNDING, self.tolerance):
+            # A march that was cut short goes on.
+            begun = self._march(start.train, profile)
+            if not begun.complete or start.train == train:
+                return begun
+            profile = begun.iterated.state.profile
+        followed = begun
         if same == train or not _alike(start.train, same):
-            followed = self._follow(start.train, profile, same)
+            followed = _joined(begun, self._follow(start.train, profile, same))
             if not followed.complete or same == train:
                 return followed
             profile = followed.iterated.state.profile
-        return self._to_degree(same, profile, train)
+        return _joined(followed, self._to_degree(same, profile, train))
 
-    def _march(self, train: Train) -> Followed:
+    def _march(self, train: Train, profile: Profile | None = None) -> Followed:
+        """From a shape, that at rest if none is given."""
         problem = SteadyProblem(train)
         found = march(
-            problem, problem.rest, tolerance=self.tolerance, most=self.left, progress=self.progress
+            problem,
+            problem.rest if profile is None else profile,
+            tolerance=self.tolerance,
+            most=self.left,
+            progress=self.progress,
         )
         return self._counted(Followed(problem, found, found.steady))
 
@@ -209,7 +222,10 @@ def _alike(one: Train, other: Train) -> bool:
     return one.changed(**still).leaves() == other.changed(**still).leaves()
 
 
-def _joined(first: Followed, then: Followed) -> Followed:
+def _joined(first: Followed | None, then: Followed) -> Followed:
+    """The end of two ways, one after the other, with the history of both."""
+    if first is None:
+        return then
     history = (*first.iterated.history, *then.iterated.history)
     return replace(then, iterated=replace(then.iterated, history=history))
 
