@@ -13,6 +13,7 @@ TYPED = (
     "membrane",
     "flow",
     "train",
+    "meridian",
     "steady",
     "stability",
     "results",

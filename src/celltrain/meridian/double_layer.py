@@ -2,7 +2,7 @@
 
 With lam the viscosity ratio and b the velocity at equal viscosities, B u = b with
 
-    B = (1 + lam)/2 - (1 - lam) K,     K u = (1/8 pi) PV int K_ij u_j dOmega + images, tail and wall.
+    B = (1 + lam)/2 - (1 - lam) K,   K u = (1/8 pi) PV int K_ij u_j dOmega + images, tail and wall.
 
 In a steady train u is a rigid motion, and B u = u for rigid motions whatever the shape: the train
 does not depend on lam, and A_m(q; lam) = B_m(q)^-1 A_m(q; 1).

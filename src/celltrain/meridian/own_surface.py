@@ -15,11 +15,18 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
+from celltrain.harmonics import Profile
 from celltrain.harmonics.legendre import legendre_tables
 from celltrain.harmonics.meridian_rotation import meridian_rotation
-from celltrain.meridian.grids import HalfCircle, MeridianGrid, Profile, meridian_grid
-from celltrain.meridian.kernels import EVEN, ODD, STRESS_EVEN, STRESS_ODD
-from celltrain.meridian.kernels import force_fields, stress_fields
+from celltrain.meridian.grids import HalfCircle, MeridianGrid, meridian_grid
+from celltrain.meridian.kernels import (
+    EVEN,
+    ODD,
+    STRESS_EVEN,
+    STRESS_ODD,
+    force_fields,
+    stress_fields,
+)
 from celltrain.meridian.moments import Moments
 
 # Bytes of the fields at once: targets are taken in groups of that size.

@@ -2,8 +2,8 @@
 
 A number x(M) converges faster than any power of 1/M once the degree M follows the shape, but not
 evenly: single changes may be small by chance. So what is left after the last degree is judged by
-all changes d_i = |x_i - x_(i-1)|, each carried on at the rate at which they are seen to fall, but at
-no better than `BEST_RATE` from one degree to the next,
+all changes d_i = |x_i - x_(i-1)|, each carried on at the rate at which they are seen to fall, but
+at no better than `BEST_RATE` from one degree to the next,
 
     left = rate/(1 - rate) max_i (d_i rate^(last - i)),   rate = within [BEST_RATE, WORST_RATE].
 """
@@ -11,6 +11,7 @@ no better than `BEST_RATE` from one degree to the next,
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 #: The degrees that are tried, one after another.
 DEGREES = (12, 16, 20, 24, 32, 40, 48)
@@ -40,11 +41,11 @@ class Convergence:
 
 def remaining(values: Sequence[float]) -> float:
     """What a sequence leaves open (see the module); not a number for one value alone."""
-    changes = [abs(b - a) for a, b in zip(values[:-1], values[1:], strict=True)]
+    changes = [abs(b - a) for a, b in pairwise(values)]
     if not changes:
         return math.nan
     last = len(changes) - 1
-    rates = [b / a for a, b in zip(changes[:-1], changes[1:], strict=True) if a > 0.0]
+    rates = [b / a for a, b in pairwise(changes) if a > 0.0]
     rate = min(max(rates[-1], BEST_RATE), WORST_RATE) if rates else WORST_RATE
     envelope = max(change * rate ** (last - place) for place, change in enumerate(changes))
     return envelope * rate / (1.0 - rate)

@@ -113,8 +113,8 @@ def newton(
 ) -> Iterated:
     """Newton's method with a line search from a shape near a steady one (`state`, if known).
 
-    The rules are those of the shape; where they change by much on the way, the end is corrected with
-    its own.
+    The rules are those of the shape; where they change by much on the way, the end is corrected
+    with its own.
     """
     history: list[Iteration] = []
     if state is None:

@@ -146,9 +146,7 @@ class SteadyProblem:
 def change_of_profile(change: Unknowns) -> Profile:
     """A change of the unknowns as one of the profile."""
     degree = len(change) // 2 + 1
-    return np.stack(
-        [np.append(0.0, change[: degree - 1]), np.append(0.0, change[degree - 1 :])]
-    )
+    return np.stack([np.append(0.0, change[: degree - 1]), np.append(0.0, change[degree - 1 :])])
 
 
 def unknowns_of(profile: Profile) -> Unknowns:

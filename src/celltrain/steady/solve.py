@@ -13,12 +13,12 @@ import numpy as np
 from celltrain.clock import timed
 from celltrain.harmonics import Profile, coefficients_of
 from celltrain.meridian.geometry import largest_radius, size_at_rest, streamwise_gap
-from celltrain.parameters import CaseError, Train
+from celltrain.parameters import Train
 from celltrain.steady.base import Base, IterationProgress, NotConverged
 from celltrain.steady.degree import DEGREES, raised
 from celltrain.steady.iterate import Iterated, march, newton
 from celltrain.steady.path import Followed, change_degree, follow
-from celltrain.steady.problem import SteadyProblem, SteadyState
+from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.room import check_room
 
 TOLERANCE = 1e-9
@@ -27,7 +27,7 @@ MOST_ITERATIONS = 400
 MARCH_DEGREE = 12
 #: How well the cells' velocity is known, in U, where the degree is left open.
 KNOWN_VELOCITY = 1e-4
-# Where a detour begins: tubes and periods, relative to the cell at rest, in which the march is easy.
+# Where a detour begins: tube and period, relative to the cell at rest, in which the march is easy.
 EASY_DIAMETER, EASY_PERIOD = 1.5, 2.0
 # What is reported of the velocity's error over the largest difference found.
 MARGIN = 1.5
@@ -158,9 +158,7 @@ class _Search:
         )
         return self._counted(Followed(problem, found, found.steady))
 
-    def _follow(
-        self, begin: Train, profile: Profile, end: Train, first: float = 1.0
-    ) -> Followed:
+    def _follow(self, begin: Train, profile: Profile, end: Train, first: float = 1.0) -> Followed:
         return self._counted(
             follow(
                 begin,
