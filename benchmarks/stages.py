@@ -55,7 +55,7 @@ def _disturbed() -> jax.Array:
 
 def _evaluation(part: Callable[..., Any], *prepare: Callable[..., Any]) -> Work:
     """A compiled part of one velocity evaluation; `prepare` makes its inputs from the shapes."""
-    operator = train_operator(TRAIN, cells=TRAIN.cells, rings=False)
+    operator = train_operator(TRAIN, cells=TRAIN.cells)
     shapes = _disturbed()
     compiled = eqx.filter_jit(part)
     inputs = jax.block_until_ready([eqx.filter_jit(each)(operator, shapes) for each in prepare])
@@ -74,9 +74,8 @@ def _targets(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
     return operator.targets(shapes)
 
 
-def _rings_of_targets(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
-    targets = operator.targets(shapes)
-    return targets.reshape(-1, *targets.shape[2:])
+def _loose_targets(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
+    return operator.targets(shapes).reshape(-1, 3)
 
 
 def _sources(operator: TrainOperator, shapes: jax.Array) -> Sources:
@@ -91,10 +90,9 @@ def _modes(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
     return _analyse(operator, _sources(operator, shapes))
 
 
-def _synthesise(
-    operator: TrainOperator, targets: jax.Array, modes: jax.Array
-) -> tuple[jax.Array, ...]:
-    return operator.tube.transform.synthesise([targets, operator.tube.wall.points()], modes)
+def _synthesise(operator: TrainOperator, targets: jax.Array, modes: jax.Array) -> jax.Array:
+    points = jnp.concatenate([targets, operator.tube.wall.points().reshape(-1, 3)])
+    return operator.tube.transform.synthesise(points, modes)
 
 
 def _near_wall(operator: TrainOperator, sources: Sources) -> jax.Array:
@@ -112,18 +110,18 @@ def _near_cells(operator: TrainOperator, targets: jax.Array, sources: Sources) -
 def _wall_velocity(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
     points = operator.tube.wall.points()
     random = np.random.default_rng(1)
-    return jnp.asarray(random.normal(size=points.shape)).astype(complex)
+    return jnp.asarray(random.normal(size=points.shape))
 
 
 def _wall_flow(operator: TrainOperator, targets: jax.Array, boundary: jax.Array) -> jax.Array:
     wall = operator.tube.wall
-    return wall.at_points(targets, wall.regular_flow(boundary))
+    return wall.velocity(targets, wall.regular_flow(boundary))
 
 
 def _viscous(ratio: float) -> Work:
     """The evaluation at another viscosity ratio; says how many iterations each ratio takes."""
     train = TRAIN.changed(viscosity_ratio=ratio)
-    operator = train_operator(train, cells=train.cells, rings=False)
+    operator = train_operator(train, cells=train.cells)
     shapes = _disturbed()
     compiled = eqx.filter_jit(lambda operator, shapes: operator.solved_rates(shapes))
     for each in RATIOS:
@@ -136,7 +134,7 @@ def _viscous(ratio: float) -> Work:
 def _dense(close: bool) -> Work:
     """An evaluation of close cells, off the axis, with and without the rule for them."""
     train = TRAIN.changed(packing=0.7)
-    operator = train_operator(train, cells=train.cells, rings=False, close=close)
+    operator = train_operator(train, cells=train.cells, close=close)
     random = np.random.default_rng(0)
     shapes = resting_shapes(train, train.cells)
     shapes[:, :2, 0] += 0.3 * random.normal(size=(train.cells, 2))
@@ -180,10 +178,10 @@ STAGES: dict[str, Callable[[], Work]] = {
         lambda operator, *inputs: operator.own_velocity(*inputs), _targets, _shapes, _forces
     ),
     "evaluation.far_analyse": lambda: _evaluation(_analyse, _sources),
-    "evaluation.far_synthesise": lambda: _evaluation(_synthesise, _rings_of_targets, _modes),
+    "evaluation.far_synthesise": lambda: _evaluation(_synthesise, _loose_targets, _modes),
     "evaluation.near_wall": lambda: _evaluation(_near_wall, _sources),
     "evaluation.near_cells": lambda: _evaluation(_near_cells, _targets, _sources),
-    "evaluation.wall_flow": lambda: _evaluation(_wall_flow, _rings_of_targets, _wall_velocity),
+    "evaluation.wall_flow": lambda: _evaluation(_wall_flow, _loose_targets, _wall_velocity),
     "viscous": lambda: _viscous(5.0),
     "dense.ordinary": lambda: _dense(False),
     "dense.close": lambda: _dense(True),

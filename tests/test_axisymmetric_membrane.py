@@ -194,12 +194,6 @@ def test_other_moduli_compile_nothing_anew() -> None:
     assert len(traced) == 1
 
 
-@pytest.mark.parametrize("name", ["celltrain", "celltrain.harmonics", "celltrain.membrane"])
-def test_no_jax_is_imported(name: str) -> None:
-    program = f"import sys, {name}; assert not {{'jax', 'equinox'}} & set(sys.modules)"
-    subprocess.run([sys.executable, "-c", program], check=True)
-
-
 def test_names_of_the_package_are_loaded_when_asked_for() -> None:
     program = (
         "import celltrain.steady, celltrain.stability, celltrain\n"

@@ -54,7 +54,7 @@ def at_points(operator: TrainOperator, points: jax.Array, shapes: jax.Array) -> 
 
 @pytest.fixture(scope="module")
 def operator() -> TrainOperator:
-    return train_operator(TRAIN, cells=CELLS, rings=False, gap=GAP)
+    return train_operator(TRAIN, cells=CELLS, gap=GAP)
 
 
 def turn(axis: np.ndarray, angle: float) -> np.ndarray:
@@ -101,7 +101,7 @@ def test_two_spheres_approaching(gap: float) -> None:
         finer = finer.changed(polar_azimuthal=44, tolerance=1e-8, target_order=14)
         padding = ((0, 0), (0, 0), (0, degree**2 - 64))
         padded = (jnp.asarray(np.pad(each, padding)) for each in (shapes, forces))
-        operator = train_operator(finer, cells=2, rings=False)
+        operator = train_operator(finer, cells=2)
         found.append(np.asarray(velocity_of(operator, *padded)))
     error = np.linalg.norm(found[0] - found[1], axis=-1).max()
     assert error < 1e-4 * np.linalg.norm(found[1], axis=-1).max()
@@ -124,7 +124,7 @@ def test_estimate_bounds_the_effect_of_each_rule() -> None:
     values = np.asarray(sphere_grid(train.degree, 20).values)
 
     def velocity(**changes: int) -> np.ndarray:
-        operator = train_operator(train.changed(**changes), cells=CELLS, rings=False, gap=GAP)
+        operator = train_operator(train.changed(**changes), cells=CELLS, gap=GAP)
         return np.einsum("pk,cik->cpi", values, rates(operator, jnp.asarray(shapes)))
 
     expected = velocity()

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, load
-from celltrain.cli import analyses, main
+from celltrain.cli import main
 from celltrain.cli import search as command
 from celltrain.continuation import (
     BranchSearch,
@@ -24,8 +24,9 @@ from celltrain.continuation import (
     search_trains,
 )
 from celltrain.continuation.deflation import deflated_step, deflation
-from celltrain.continuation.search import SAME, is_a_cell, reversed_shape
-from celltrain.harmonics import axisymmetric_basis, coefficient_index
+from celltrain.continuation.search import SAME, first_guesses, reversed_profile
+from celltrain.harmonics import coefficients_of
+from celltrain.meridian.geometry import crosses_itself, meridian_points
 
 # x^3 = x and y^2 = 4: six roots.
 ROOTS = {(x, y) for x in (-1.0, 0.0, 1.0) for y in (-2.0, 2.0)}
@@ -82,26 +83,39 @@ def test_endings() -> None:
 
 
 def test_meridians_of_cells(coarse_base: Base) -> None:
-    shape = coarse_base.coefficients
-    assert is_a_cell(shape)
-    assert is_a_cell(reversed_shape(shape))
-    assert_allclose(reversed_shape(reversed_shape(shape)), shape)
-    # z = cos(3 theta) over x = sin(theta) meets itself.
-    crossed = np.zeros_like(shape)
-    x, z_1, z_3 = (coefficient_index(*each) for each in ((1, 1), (1, 0), (3, 0)))
-    crossed[0, x] = crossed[1, coefficient_index(1, -1)] = np.sqrt(4 * np.pi / 3)
-    # cos(3 theta) = (8 P_3 - 3 P_1)/5.
-    crossed[2, z_1], crossed[2, z_3] = -0.6 * np.sqrt(4 * np.pi / 3), 1.6 * np.sqrt(4 * np.pi / 7)
-    assert not is_a_cell(crossed)
-    crossed[2, z_1] *= -1.0
-    crossed[2, z_3] = 0.0
-    assert is_a_cell(crossed)
+    profile = coarse_base.profile
+    turned = reversed_profile(profile)
+    assert not crosses_itself(profile)
+    assert not crosses_itself(turned)
+    assert_allclose(reversed_profile(turned), profile)
+    (rho, z), (back_rho, back_z) = meridian_points(profile), meridian_points(turned)
+    assert_allclose(back_rho, rho[::-1], atol=1e-13)
+    assert_allclose(back_z, -z[::-1], atol=1e-13)
+    # z = cos(3 theta) over rho = sin(theta) meets itself; cos(3 theta) = (8 P_3 - 3 P_1)/5.
+    crossed = np.zeros_like(profile)
+    crossed[1, 1] = np.sqrt(8 * np.pi / 3)
+    crossed[0, 1], crossed[0, 3] = -0.6 * np.sqrt(4 * np.pi / 3), 1.6 * np.sqrt(4 * np.pi / 7)
+    assert crosses_itself(crossed)
+    crossed[0, 1] *= -1.0
+    crossed[0, 3] = 0.0
+    assert not crosses_itself(crossed)
 
 
-@pytest.mark.slow
+def test_guesses_have_the_sizes_they_name(coarse_base: Base) -> None:
+    guesses = dict(first_guesses(coarse_base))
+    rest = guesses["the resting shape"]
+    z = meridian_points(guesses["the resting shape bent by +0.6 r0"] - rest, 201)[1]
+    assert_allclose(z[0] - z[100], 0.6, rtol=1e-12)
+    disturbed = guesses["the known one disturbed by 0.5 r0 (draw 3)"] - coarse_base.profile
+    assert_allclose(np.linalg.norm(disturbed), 0.5 * np.sqrt(4 * np.pi), rtol=1e-12)
+    assert len(guesses) == 12
+
+
 def test_search_for_other_trains(coarse_base: Base) -> None:
-    shape, basis = coarse_base.coefficients, axisymmetric_basis(6)
-    guesses = [("the known one", shape), ("a moved one", shape + 0.3 * basis[3])]
+    profile = coarse_base.profile
+    moved = profile.copy()
+    moved[0, 3] += 0.3
+    guesses = [("the known one", profile), ("a moved one", moved)]
     search = search_trains(coarse_base, guesses=guesses, most_tries=3, tries=Tries(most_steps=8))
     assert search.tries[0].outcome == "the guess is a known train"
     assert 2 <= len(search.tries) <= 3
@@ -112,6 +126,19 @@ def test_search_for_other_trains(coarse_base: Base) -> None:
         assert each.distance > SAME
     assert search.to_dataset().sizes["train"] == 1 + len(search.found)
     assert search.statement in search.to_dataset().attrs["statement"]
+
+
+def test_a_train_is_found_that_is_not_known(coarse_base: Base) -> None:
+    """The one that the flow reaches, if its mirror image is pretended to be all that is known."""
+    turned = coefficients_of(reversed_profile(coarse_base.profile))
+    pretended = replace(coarse_base, coefficients=turned)
+    moved = coarse_base.profile.copy()
+    moved[0, 3] += 0.05
+    search = search_trains(pretended, guesses=[("a moved one", moved)], most_tries=1)
+    assert search.tries[0].outcome == "found another train"
+    found = search.found[0]
+    assert_allclose(found.base.coefficients, coarse_base.coefficients, rtol=0, atol=1e-8)
+    assert found.axisymmetric_rate < 0.0
 
 
 def test_what_is_refused(coarse_base: Base) -> None:
@@ -153,7 +180,7 @@ def test_command(
             progress(each)
         return searched
 
-    monkeypatch.setattr(analyses, "steady", lambda train, **_: searched.known)
+    monkeypatch.setattr(command, "steady", lambda train, **_: searched.known)
     monkeypatch.setattr(command, "search_trains", compute)
     case = ["search", "--diameter", "6", "--packing", "0.3", "--degree", "6"]
     files = ["-o", str(tmp_path / "trains.nc"), "--plot", str(tmp_path)]

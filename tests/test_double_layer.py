@@ -116,7 +116,7 @@ TRAIN = Train(
 
 @pytest.fixture(scope="module")
 def operator() -> TrainOperator:
-    return train_operator(TRAIN, cells=2, rings=False)
+    return train_operator(TRAIN, cells=2)
 
 
 @pytest.fixture(scope="module")

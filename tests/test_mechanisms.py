@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from celltrain import Base, CaseError, Stability
 from celltrain.diagnostics import MeridionalFlow, meridional_flow, recirculation
 from celltrain.harmonics import azimuthal_basis
+from celltrain.meridian.geometry import meridian_points
 from celltrain.pictures import (
     draw_deformation_spectra,
     draw_growth_without_neighbours,
@@ -22,7 +23,6 @@ from celltrain.stability import (
     growth_without_neighbours,
 )
 from celltrain.stability.neighbours import couplings
-from celltrain.train import meridian
 
 
 def test_nothing_removed_is_the_train_itself(coarse_stability: Stability) -> None:
@@ -82,7 +82,7 @@ def test_as_much_fluid_passes_everywhere(coarse_base: Base, flow: MeridionalFlow
     assert_allclose(flow.stream_function[:, -1], expected, rtol=2e-3)
     assert_allclose(flow.velocity[0], flow.velocity[-1], atol=1e-3)
     # On the axis inside: the middle of the cell, not the fluid between two cells.
-    radius, axial = meridian(coarse_base.coefficients)
+    radius, axial = meridian_points(coarse_base.profile)
     ends = axial[np.isclose(radius, 0.0, atol=1e-9)]
     middle = np.abs(flow.axial - ends.mean()).argmin()
     assert flow.inside[middle, 0]

@@ -46,7 +46,7 @@ def of_ratio(operator: TrainOperator, ratio: float) -> TrainOperator:
 
 @pytest.fixture(scope="module")
 def operator() -> TrainOperator:
-    return train_operator(TRAIN.changed(viscosity_ratio=5.0), cells=CELLS, rings=False)
+    return train_operator(TRAIN.changed(viscosity_ratio=5.0), cells=CELLS)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def skewed() -> np.ndarray:
 
 def test_ratio_one_is_the_limit(operator: TrainOperator, skewed: np.ndarray) -> None:
     shapes = jnp.asarray(skewed)
-    expected = rates(train_operator(TRAIN, cells=CELLS, rings=False), shapes)
+    expected = rates(train_operator(TRAIN, cells=CELLS), shapes)
     steps = np.array([1e-2, 1e-3])
     errors = [
         np.abs(0.5 * (rates(of_ratio(operator, 1 + h), shapes) + rates(
@@ -98,7 +98,7 @@ def test_hard_cells_move_rigidly(operator: TrainOperator, skewed: np.ndarray) ->
 def test_train_of_rigid_spheres_is_the_limit() -> None:
     """Force-free spheres, a/R = 0.5 and L/R = 2: U/V and the apparent viscosity."""
     train = Train(diameter=4, packing=0.25, reference="sphere", degree=8, tolerance=1e-8)
-    operator = train_operator(train.changed(viscosity_ratio=2.0), cells=1, rings=False)
+    operator = train_operator(train.changed(viscosity_ratio=2.0), cells=1)
     shapes = jnp.asarray(resting_shapes(train, 1))
     values = [
         np.array(speed_and_viscosity(of_ratio(operator, ratio), shapes))
@@ -130,7 +130,7 @@ def test_steady_train_does_not_depend_on_the_ratio(viscous_base: Base, coarse_ba
     assert_allclose(viscous_base.coefficients, coarse_base.coefficients, rtol=0, atol=1e-10)
     # It is steady for the dynamics of viscous cells, which know nothing of that.
     shapes = jnp.asarray(place_cells(viscous_base.coefficients, viscous_base.train, 2))
-    operator = train_operator(viscous_base.train, cells=2, rings=False)
+    operator = train_operator(viscous_base.train, cells=2)
     found = rates(operator, shapes)
     found = np.asarray(found.at[:, 2, 0].add(-viscous_base.cell_velocity * np.sqrt(4 * np.pi)))
     assert_allclose(found, 0.0, atol=1e-6)
@@ -140,7 +140,7 @@ def test_blocks_are_the_derivative_of_the_rates(viscous_base: Base) -> None:
     """The blocks, which never differentiate the double layer, against the solved equation."""
     train, shape = viscous_base.train, viscous_base.coefficients
     shapes = jnp.asarray(place_cells(shape, train, 2))
-    operator = train_operator(train, cells=2, rings=False)
+    operator = train_operator(train, cells=2)
 
     @eqx.filter_jit
     def change(operator: TrainOperator, step: jax.Array) -> jax.Array:

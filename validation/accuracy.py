@@ -60,7 +60,7 @@ def configuration(distance: float) -> np.ndarray:
 
 def velocity(train: Train, shapes: np.ndarray, values: np.ndarray, gap: float) -> np.ndarray:
     """Velocity at fixed points of the membranes."""
-    operator = train_operator(train, cells=2, rings=False, gap=gap)
+    operator = train_operator(train, cells=2, gap=gap)
     return np.einsum("pk,cik->cpi", values, np.asarray(_rates(operator, jnp.asarray(shapes))))
 
 
@@ -86,7 +86,7 @@ the largest velocity. Default resolution (M = 12).
         estimate = rates_error(TRAIN, shapes, gap=WALL_GAP)
         estimates.append(estimate)
         values = np.asarray(
-            train_operator(TRAIN, cells=2, rings=False, gap=WALL_GAP).target_grid.values
+            train_operator(TRAIN, cells=2, gap=WALL_GAP).target_grid.values
         )
         expected = velocity(TRAIN, shapes, values, WALL_GAP)
         size = np.linalg.norm(expected, axis=-1).max()

@@ -163,7 +163,7 @@ solid angle, relative to that of the velocity; largest, relative to the largest 
     for name, changes in variants:
         page.log(name)
         train = reference.train.changed(**changes)
-        operator = train_operator(train, cells=1, rings=False)
+        operator = train_operator(train, cells=1)
         placed = jnp.asarray(shapes)
         velocity = np.asarray(_velocity(operator, placed, None))[0]
         agreement = compare(reference, reference.on_grid(velocity))
@@ -178,7 +178,7 @@ solid angle, relative to that of the velocity; largest, relative to the largest 
             probes = [f"{each:.1e}" for each in apart / sizes]
     page.log("the other code's force")
     fine = reference.train.changed(degree=FINE_DEGREE)
-    operator = train_operator(fine, cells=1, rings=False)
+    operator = train_operator(fine, cells=1)
     velocity = np.asarray(
         _velocity(
             operator,

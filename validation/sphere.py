@@ -61,7 +61,7 @@ def drag(ratio: float, period: float = PERIOD, degree: int = 16, **resolution: f
         **resolution,
     )
     basis = axisymmetric_basis(degree)
-    operator = train_operator(train, meridian=True, close=radius - 1.0 < close_distance(train))
+    operator = train_operator(train, close=radius - 1.0 < close_distance(train))
     shapes = jnp.asarray(resting_shapes(train, 1))
     matrix, undisturbed = (np.asarray(a) for a in _matrix(operator, shapes, jnp.asarray(basis)))
     # A translation by 1, and the total force of a density: both in the first member's coefficient.

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from page import Page, plain_figure
 
 from celltrain import Base, Train, paper_units, steady
-from celltrain.train import meridian
+from celltrain.meridian.geometry import meridian_points
 
 # The paper's criterion of convergence, velocity along the normal in U (Sec. V A).
 CONVERGED = 1e-4
@@ -103,14 +103,14 @@ below {CONVERGED:.0e} U. Lengths in r0, velocities in U.
 
 def extent(base: Base) -> tuple[float, float]:
     """Length along the axis and largest radius of a cell, r0."""
-    radius, height = meridian(base.coefficients)
+    radius, height = meridian_points(base.profile)
     return float(np.ptp(height)), float(radius.max())
 
 
 def draw(axes: Axes, each: Shown) -> None:
     """As many cells of a train in its tube as there is room for, cut along the axis."""
     train = each.base.train
-    radius, height = meridian(each.base.coefficients)
+    radius, height = meridian_points(each.base.profile)
     along = np.concatenate([height, height[::-1]])
     across = np.concatenate([radius, -radius[::-1]])
     cells = min(train.cells, int(2.0 * HALF_WINDOW / train.period))

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from celltrain.results import load, print_report, save
     from celltrain.results.summary import summary
     from celltrain.stability import Mode, Stability, stability
-    from celltrain.steady import Base, NotConverged, fluid_velocity, steady
+    from celltrain.steady import Base, NotConverged, steady
+    from celltrain.train import fluid_velocity
 
 __version__ = "0.1.0"
 
@@ -54,7 +55,8 @@ _LATER = {
     "evolution": ("Run", "evolve", "resume"),
     "results": ("load", "print_report", "save", "summary"),
     "stability": ("Mode", "Stability", "stability"),
-    "steady": ("Base", "NotConverged", "fluid_velocity", "steady"),
+    "steady": ("Base", "NotConverged", "steady"),
+    "train": ("fluid_velocity",),
 }
 _OWNERS = {name: owner for owner, names in _LATER.items() for name in names}
 

@@ -24,7 +24,7 @@ from celltrain.parameters.resolution import LEAST_DEGREE
 from celltrain.results import summary
 from celltrain.stability import NUMBERS, Stability, stability
 from celltrain.steady import Base, steady
-from celltrain.train import with_parameter
+from celltrain.steady.parameters import with_parameter
 
 INTERRUPTED = 130
 

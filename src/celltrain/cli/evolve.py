@@ -39,6 +39,7 @@ from celltrain.evolution import evolve as simulate
 from celltrain.evolution.integrator import check_positive
 from celltrain.evolution.report import SimulationReporter, print_run, run_summary
 from celltrain.evolution.repulsion import RANGE, STRENGTH
+from celltrain.evolution.start import DEGREE
 from celltrain.parameters import CaseError, merge_case, read_case
 from celltrain.results import load
 from celltrain.stability import Stability, check_linearisable, stability
@@ -137,12 +138,13 @@ def evolve(
                 )
                 repulsion = Repulsion(repulsion_range, repulsion_strength)
                 wanted = parse_disturbance(disturbance, amplitude)
-                start = _start(source, leaves, wanted, errors, quiet)
+                start, degree = _start(source, leaves, wanted, errors, quiet)
                 with SimulationReporter(errors, quiet=quiet) as reporter:
                     run = simulate(
                         start,
                         wanted,
                         until=cast(float, until),
+                        degree=degree,
                         every=every,
                         integrator=integrator,
                         repulsion=repulsion,
@@ -242,8 +244,8 @@ def _start(
     disturbance: Disturbance,
     errors: Console,
     quiet: bool,
-) -> Base | Stability:
-    """What the simulation starts from: read if it is there, computed otherwise."""
+) -> tuple[Base | Stability, int]:
+    """What the simulation starts from, and its degree: read if it is there, computed otherwise."""
     known: Base | Stability | None = None
     if source is not None and source.suffix == ".nc":
         try:
@@ -253,13 +255,17 @@ def _start(
     base = known.base if isinstance(known, Stability) else known
     if base is None:
         train = merge_case(read_case(source) if source else {}, leaves)
+        degree = DEGREE if train.resolution.degree is None else train.resolution.degree
     elif leaves.get("units") == "SI":
         train = merge_case(base.train.leaves("SI"), leaves)
+        degree = leaves.get("degree", DEGREE)
     else:
         changes = {name: value for name, value in leaves.items() if name != "units"}
         train = base.train.changed(**changes)
-    if isinstance(known, Stability) and train == known.base.train:
-        return known
+        degree = leaves.get("degree", DEGREE)
+    train = train.changed(degree=degree)
+    if isinstance(known, Stability) and train == known.base.train.changed(degree=degree):
+        return known, degree
     linear = isinstance(disturbance, Leading | Mode | Transient)
     if linear:
         check_linearisable(train, None)
@@ -267,8 +273,8 @@ def _start(
         if base is None or train != base.train:
             base = steady(train, start=base, progress=reporter.iteration)
         if not linear:
-            return base
-        return stability(base, estimate_error=False, progress=reporter.share)
+            return base, degree
+        return stability(base, estimate_error=False, progress=reporter.share), degree
 
 
 def _status(run: Run, output: Path | None, errors: Console) -> int:

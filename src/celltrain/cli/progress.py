@@ -1,8 +1,11 @@
 """Progress on standard error: bars for what has parts, a running line for the base flow."""
 
+from collections.abc import Callable
+from contextlib import ExitStack
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Any, Protocol, Self
 
+from numba.core import event
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
@@ -16,6 +19,24 @@ class _Iteration(Protocol):
     def residual(self) -> float: ...
     @property
     def cell_velocity(self) -> float: ...
+
+
+class _Announcement(event.Listener):
+    """Says once that loops are being compiled: the first run takes some seconds longer."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say = say
+        self._said = False
+
+    def on_start(self, event: Any) -> None:
+        """Called when a compilation begins."""
+        del event
+        if not self._said:
+            self._said = True
+            self._say("compiling loops for this machine; they are kept for later runs")
+
+    def on_end(self, event: Any) -> None:
+        """Called when it ends."""
 
 
 class Reporter:
@@ -32,6 +53,7 @@ class Reporter:
         self._iterations = 0
         self._tenths = 0
         self._title = ""
+        self._open = ExitStack()
         self._progress = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}"),
@@ -46,6 +68,7 @@ class Reporter:
 
     def __enter__(self) -> Self:
         self._progress.start()
+        self._open.enter_context(event.install_listener("numba:compile", _Announcement(self.log)))
         return self
 
     def __exit__(
@@ -54,6 +77,7 @@ class Reporter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self._open.close()
         self._progress.stop()
 
     def log(self, message: str) -> None:

@@ -26,7 +26,7 @@ from celltrain.stability import (
     structural_sensitivity,
 )
 from celltrain.steady import Base
-from celltrain.train import PARAMETERS, check_parameters
+from celltrain.steady.parameters import PARAMETERS, check_parameters
 
 Source = Annotated[
     Path | None,

@@ -17,6 +17,7 @@ import numpy as np
 
 from celltrain.continuation.arclength import Evaluation, NoSolution, Unknowns
 from celltrain.harmonics import Profile
+from celltrain.meridian.geometry import meridian_points
 from celltrain.steady.base import Base
 from celltrain.steady.iterate import Iterated
 from celltrain.steady.problem import SteadyProblem, SteadyState, change_of_profile, unknowns_of
@@ -24,6 +25,8 @@ from celltrain.steady.solve import describe
 
 #: A displacement by one r0 in the coefficients.
 UNIT = math.sqrt(4.0 * math.pi)
+# Of a meridian.
+POINTS = 201
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,9 @@ def evaluate_steady(
     **Raises:** `NoSolution` where cells overlap each other or the wall.
     """
     profile = change_of_profile(UNIT * unknowns[:-1])
-    if not problem.fits(profile):
+    # Searches come across meridians beyond the axis: there is a wall on that side, too.
+    beyond = float(meridian_points(profile, POINTS)[0].min())
+    if not (problem.fits(profile) and beyond > -problem.train.radius):
         raise NoSolution("cells overlap")
     rules = problem.rules(profile)
     if near.state.flow.rules.covers(rules):

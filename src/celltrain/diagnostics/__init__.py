@@ -1,19 +1,18 @@
-"""What is measured of simulated cells: moments, motion, energies, distances, by frame."""
+"""What is measured of simulated cells: moments, motion, energies, distances, by frame.
 
-from celltrain.diagnostics.distance import cell_distance, wall_distance
-from celltrain.diagnostics.ellipsoid import Ellipsoid, best_ellipsoid
-from celltrain.diagnostics.energy import ENERGY_PARTS, energy_parts, perturbation_energy
-from celltrain.diagnostics.fields import SurfaceFields, surface_fields
-from celltrain.diagnostics.frame import frame
+Measures of steady trains and of modes need no JAX; what does is imported when it is asked for.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from celltrain.diagnostics.haematocrit import (
     discharge_haematocrit,
     in_vitro_viscosity,
     tube_haematocrit,
 )
 from celltrain.diagnostics.modes import ModeMotion, mode_motion
-from celltrain.diagnostics.moments import CellMoments, cell_moments
 from celltrain.diagnostics.quantities import FRAME_QUANTITIES, FrameQuantity
-from celltrain.diagnostics.rotation import CellMotion, cell_motion
 from celltrain.diagnostics.spectrum import deformation_spectrum, disturbance_amplitude
 from celltrain.diagnostics.streamlines import (
     MeridionalFlow,
@@ -21,7 +20,16 @@ from celltrain.diagnostics.streamlines import (
     meridional_flow,
     recirculation,
 )
-from celltrain.diagnostics.tension import isotropic_tension
+
+if TYPE_CHECKING:
+    from celltrain.diagnostics.distance import cell_distance, wall_distance
+    from celltrain.diagnostics.ellipsoid import Ellipsoid, best_ellipsoid
+    from celltrain.diagnostics.energy import ENERGY_PARTS, energy_parts, perturbation_energy
+    from celltrain.diagnostics.fields import SurfaceFields, surface_fields
+    from celltrain.diagnostics.frames import frame
+    from celltrain.diagnostics.moments import CellMoments, cell_moments
+    from celltrain.diagnostics.rotation import CellMotion, cell_motion
+    from celltrain.diagnostics.tension import isotropic_tension
 
 __all__ = [
     "ENERGY_PARTS",
@@ -53,3 +61,21 @@ __all__ = [
     "tube_haematocrit",
     "wall_distance",
 ]
+
+_LATER = {
+    "distance": ("cell_distance", "wall_distance"),
+    "ellipsoid": ("Ellipsoid", "best_ellipsoid"),
+    "energy": ("ENERGY_PARTS", "energy_parts", "perturbation_energy"),
+    "fields": ("SurfaceFields", "surface_fields"),
+    "frames": ("frame",),
+    "moments": ("CellMoments", "cell_moments"),
+    "rotation": ("CellMotion", "cell_motion"),
+    "tension": ("isotropic_tension",),
+}
+_OWNERS = {name: owner for owner, names in _LATER.items() for name in names}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _OWNERS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_OWNERS[name]}"), name)

@@ -15,13 +15,12 @@ relative to that of its plasma, in tubes of 3.3 to 1978 um, D the diameter in um
 
 import math
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from celltrain.membrane import meridian_membrane
 from celltrain.parameters import CaseError
 from celltrain.steady import Base
-from celltrain.train import train_membrane
 
 #: Diameters, um, of the tubes in which the law's measurements were made.
 MEASURED_DIAMETERS = (3.3, 1978.0)
@@ -30,7 +29,7 @@ MEASURED_DIAMETERS = (3.3, 1978.0)
 def tube_haematocrit(base: Base) -> float:
     """Share of the tube's volume that the cells of a steady train take."""
     train = base.train
-    volume = float(train_membrane(train).volume(jnp.asarray(base.coefficients)))
+    volume = meridian_membrane(train).volume(base.profile)
     return volume / (math.pi * train.radius**2 * train.period)
 
 

@@ -26,12 +26,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from celltrain.diagnostics.modes import COINCIDENT
 from celltrain.diagnostics.moments import CellMoments, cell_moments, surface_elements
 from celltrain.membrane.energy import Membrane
-
-#: Difference of two eigenvalues, over the sum of all three, below which they count as equal: axes
-#: that differ in length by less than some tenths of a percent.
-COINCIDENT = 1e-3
 
 
 class CellMotion(eqx.Module):

@@ -8,8 +8,8 @@ import scipy.integrate
 from jaxtyping import Bool, Float
 from matplotlib.path import Path as Outline
 
-from celltrain.steady import Base, fluid_velocity
-from celltrain.train import meridian
+from celltrain.meridian.geometry import meridian_points
+from celltrain.steady import Base
 
 RADIAL, AXIAL = 41, 81
 # Parts of the mean velocity below this are rest: what the velocity's rules leave (and see Fig. 7).
@@ -64,6 +64,8 @@ def meridional_flow(base: Base, *, radial: int = RADIAL, axial: int = AXIAL) -> 
 
     in U and U r0^2; lines of equal psi are streamlines.
     """
+    from celltrain.train import fluid_velocity  # JAX: pictures of known flows need none
+
     period = base.train.period
     radius = np.linspace(0.0, base.train.radius, radial)
     z = np.linspace(-0.5, 0.5, axial) * period
@@ -86,7 +88,7 @@ def inside_cells(
     axial: Float[np.ndarray, "*points"],
 ) -> Bool[np.ndarray, "*points"]:
     """Which points of a half plane through the axis lie inside a cell, neighbours included."""
-    half = np.stack(meridian(base.coefficients), axis=-1)
+    half = np.stack(meridian_points(base.profile), axis=-1)
     # With its mirror image, so that the axis is no edge.
     outline = Outline(np.concatenate([half, half[::-1] * [-1.0, 1.0]]))
     found = np.zeros(np.size(radius), dtype=bool)

@@ -69,12 +69,17 @@ class Dynamics(eqx.Module):
     `base` are the shapes of the steady train, at rest in this frame; `weights` those of the paper's
     norm. Displacements and distances are in r0, rates in U. `wall_gap` is the smallest distance of
     a cell from the wall for which the wall is resolved, `film_forces` the repulsion in thin films.
+
+    `steady_rates` are those of the steady train by this operator. They are its velocity along the
+    tube but for what the rules of the operator leave (about 1e-6 U, part of it without symmetry),
+    which the frame takes with it: otherwise it would move the train, and show as a disturbance.
     """
 
     operator: TrainOperator
     base: Float[Array, "cell 3 coefficient"]
     weights: Float[Array, " coefficient"]
-    cell_velocity: Float[Array, ""]
+    steady_rates: Float[np.ndarray, "cell 3 coefficient"]
+    cell_velocity: float
     length: Float[Array, ""]
     volume: Float[Array, ""]
     film_forces: FilmForces = eqx.field(static=True)
@@ -94,13 +99,12 @@ class Dynamics(eqx.Module):
 
     def forced_rates(self, shapes: Shapes, forces: Shapes) -> Shapes:
         """The rates with given forces per solid angle (mu U r0) beside those of the membranes."""
-        arguments = (jnp.asarray(each) for each in (shapes, forces))
-        return np.asarray(_rates(self.operator, self.cell_velocity, *arguments))
+        return _tube_rates(self.operator, shapes, forces) - self.steady_rates
 
     def tube_rates(self, rates: Shapes) -> Shapes:
         """The same rates relative to the tube."""
         moved = np.array(rates)
-        moved[:, 2, 0] += UNIT_DISPLACEMENT * float(self.cell_velocity)
+        moved[:, 2, 0] += UNIT_DISPLACEMENT * self.cell_velocity
         return moved
 
     def continuous(self, shapes: Shapes, laps: Int[np.ndarray, " cell"]) -> Shapes:
@@ -153,12 +157,14 @@ class Dynamics(eqx.Module):
 def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dynamics:
     """The dynamics of the N cells of a train about a steady state."""
     train = base.train
-    operator = train_operator(train, cells=train.cells, rings=False, gap=wall_gap)
+    operator = train_operator(train, cells=train.cells, gap=wall_gap)
+    shapes = place_cells(base.coefficients, train, train.cells)
     return Dynamics(
         operator=operator,
-        base=jnp.asarray(place_cells(base.coefficients, train, train.cells)),
+        base=jnp.asarray(shapes),
         weights=jnp.asarray(paper_weights(train.degree)),
-        cell_velocity=jnp.asarray(base.cell_velocity),
+        steady_rates=_tube_rates(operator, shapes, np.zeros_like(shapes)),
+        cell_velocity=base.cell_velocity,
         length=jnp.asarray(train.length),
         volume=operator.membrane.volume(jnp.asarray(base.coefficients)),
         film_forces=film_forces(train, repulsion),
@@ -166,9 +172,14 @@ def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dyna
     )
 
 
+def _tube_rates(operator: TrainOperator, shapes: Shapes, forces: Shapes) -> Shapes:
+    """Rates relative to the tube."""
+    return np.asarray(_rates(operator, jnp.asarray(shapes), jnp.asarray(forces)))
+
+
 @eqx.filter_jit
-def _rates(operator: TrainOperator, velocity: Array, shapes: Array, forces: Array) -> Array:
-    return operator.rates(shapes, forces).at[:, 2, 0].add(-UNIT_DISPLACEMENT * velocity)
+def _rates(operator: TrainOperator, shapes: Array, forces: Array) -> Array:
+    return operator.rates(shapes, forces)
 
 
 @eqx.filter_jit

@@ -17,8 +17,9 @@ from celltrain.evolution.quantities import STEP_QUANTITIES
 from celltrain.evolution.repulsion import Repulsion
 from celltrain.evolution.run import Run
 from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
+from celltrain.evolution.start import at_degree
 from celltrain.evolution.wall_resolution import LARGEST, followed
-from celltrain.parameters import CaseError
+from celltrain.parameters import CaseError, Train
 from celltrain.results import remove_leftovers
 from celltrain.stability import Stability
 from celltrain.steady import Base
@@ -29,10 +30,11 @@ EVERY = 1.0
 
 
 def evolve(
-    start: Base | Stability,
+    start: Train | Base | Stability,
     disturbance: Disturbance,
     *,
     until: float,
+    degree: int | None = None,
     integrator: Integrator | None = None,
     repulsion: Repulsion | None = None,
     every: float = EVERY,
@@ -46,8 +48,10 @@ def evolve(
 
     **Arguments:**
 
-    - `start`: from `steady` or `stability`; the latter gives linear predictions beside the result,
-      and is needed for disturbances that are modes.
+    - `start`: a case, or what `steady` or `stability` gave. The linear dynamics of the latter, or
+      of a case, give predictions beside the result, and are needed for disturbances that are modes.
+    - `degree`: of the simulation, 12 unless given here or in a case. A start of another degree is
+      computed at this one.
     - `disturbance`: such as `Leading(amplitude=0.1)`. The volumes of the disturbed cells are made
       those of the steady ones, which changes the size of a large disturbance a little.
     - `until`, `every`: last time, and time between frames, in r0/U. Frames lie within steps and do
@@ -67,8 +71,8 @@ def evolve(
 
     **Raises:** `CaseError` for a setting that is not allowed, a steady train with gaps within the
     range of the repulsion, cells that overlap from the beginning, or a file that exists;
-    `StepFailed` if the disturbed train has no velocity or is too
-    close to the wall.
+    `NotConverged` if there is no steady train; `StepFailed` if the disturbed train has no velocity
+    or is too close to the wall.
     """
     check_positive("until", until)
     check_positive("every", every)
@@ -78,6 +82,7 @@ def evolve(
             f"output = {str(place)!r} is not allowed: it exists; go on with it (resume), or allow"
             " it to be overwritten"
         )
+    start = at_degree(start, degree)
     base = start.base if isinstance(start, Stability) else start
     change = disturbance.shapes(start)
     film = Repulsion() if repulsion is None else repulsion

@@ -125,8 +125,8 @@ def near_sum(
     images: int,
     coarse_beyond: float = math.inf,
     keep: Bool[Array, "image group target cell"] | None = None,
-) -> Float[Array, "image group target 3"]:
-    """Near sums of every axial image p = -images .. images of the sources, one by one.
+) -> Float[Array, "group target 3"]:
+    """Near sums over the axial images p = -images .. images of the sources.
 
     **Arguments:** `owners`: the cell on whose surface a group of targets lies, -1 for none; the
     block of a group's own cell is left out (its integral is singular). Image p of a source is
@@ -168,7 +168,7 @@ def near_sum(
     pairs = jnp.nonzero(near.ravel(), size=near.size, fill_value=0)[0]
     listed = Listed(pairs, jnp.sum(near), cells, images, keep)
     summed = pair_sums(parameter, padded, points, forces, dyads, jnp.asarray(period), listed)
-    return summed.reshape(shifts.size, groups, chunks * CHUNK, 3)[:, :, :count]
+    return jnp.sum(summed, axis=0).reshape(groups, chunks * CHUNK, 3)[:, :count]
 
 
 class Listed(eqx.Module):

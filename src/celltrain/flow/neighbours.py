@@ -76,8 +76,8 @@ class CloseEvaluation(eqx.Module):
         targets: Float[Array, "group target 3"],
         sources: Sources,
         period: Float[Array, ""],
-    ) -> Float[Array, "image group target 3"]:
-        """Velocities of the close pairs, by image of the cell."""
+    ) -> Float[Array, "group target 3"]:
+        """Velocities by the close pairs."""
         pairs, surface = neighbours.pairs, sources.surface
         assert surface is not None
         if neighbours.rows is not None and surface.forces is None:
@@ -94,7 +94,5 @@ class CloseEvaluation(eqx.Module):
                 surface.densities,
             )
         found = jnp.where(pairs.valid[:, None], found, 0.0)
-        shape = (*pairs.keep.shape[:3], 3)
-        place = (pairs.image + pairs.keep.shape[0] // 2, pairs.group, pairs.target)
-        by_image = jnp.zeros(shape).at[place].add(found)
-        return jnp.where(jax.lax.stop_gradient(pairs.overflow), jnp.nan, by_image)
+        total = jnp.zeros_like(targets).at[pairs.group, pairs.target].add(found)
+        return jnp.where(jax.lax.stop_gradient(pairs.overflow), jnp.nan, total)

@@ -20,19 +20,13 @@ from collections.abc import Callable
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Complex, Float, Int
+from jaxtyping import Array, Float, Int
 
 from celltrain.flow.ewald import EwaldSplit, ewald_split, far_velocity_modes
 from celltrain.flow.near import near_sum
 from celltrain.flow.neighbours import CloseEvaluation, Neighbours
-from celltrain.flow.shared_sizes import shared_size
 from celltrain.flow.sources import Sources
-from celltrain.flow.transform import (
-    RingTransform,
-    Transform,
-    nonuniform_transform,
-    ring_transform,
-)
+from celltrain.flow.transform import Transform, transform
 from celltrain.flow.wall import TubeWall, tube_wall
 
 # Close pairs listed for each target, and for each point of the wall, on average.
@@ -43,13 +37,7 @@ TubeNeighbours = tuple[Neighbours, Neighbours]
 
 
 class PeriodicTube(eqx.Module):
-    """Flow in one axial period of a tube.
-
-    With `rings`, sources and targets must form rings about the axis (derivatives may leave them).
-    A `quasi_periodic` one gives the flow of a wave along an infinite train from one period: images
-    of the sources carry the factor exp(i q) per period, with q the `phase` of the wall's wave
-    numbers, and velocities are complex. Unless q = 0 there is then no mean flow to hold.
-    """
+    """Flow in one axial period of a tube; velocities have forward derivatives."""
 
     split: EwaldSplit
     transform: Transform
@@ -57,7 +45,6 @@ class PeriodicTube(eqx.Module):
     close: CloseEvaluation | None
     coarse_beyond: float = eqx.field(static=True)
     images: int = eqx.field(static=True)
-    quasi_periodic: bool = eqx.field(static=True)
 
     @property
     def radius(self) -> Float[Array, ""]:
@@ -87,7 +74,7 @@ class PeriodicTube(eqx.Module):
         *,
         neighbours: TubeNeighbours | None = None,
         mean_flow: bool = True,
-    ) -> Float[Array, "group ring azimuth 3"] | Complex[Array, "group ring azimuth 3"]:
+    ) -> Float[Array, "group ring azimuth 3"]:
         """Velocity at points in the fluid or on cells, in U.
 
         **Arguments:** `owners`: cell on which each group of targets lies, -1 for points off the
@@ -98,37 +85,30 @@ class PeriodicTube(eqx.Module):
         if neighbours is None and sources.surface is not None:
             neighbours = self.neighbours(targets, owners, sources.points)
         by_cells, by_wall = (None, None) if neighbours is None else neighbours
-        wall_points = self.wall.points()
-        groups = targets.shape[:3]
-        ring_shape = (-1, groups[2], 3)
-        flat_targets = _numbers(targets).reshape(ring_shape)
-        far, at_wall = self.transform.synthesise(
-            [flat_targets, wall_points], self._far_modes(sources)
-        )
+        loose, wall_points = _numbers(targets).reshape(-1, 3), self.wall.points()
+        both = jnp.concatenate([loose, wall_points.reshape(-1, 3)])
+        far = self.transform.synthesise(both, self._far_modes(sources))
+        far, at_wall = jnp.split(far, [len(loose)])
         strips, places = self.wall.strips()
-        loose, off_cells = wall_points.reshape(-1, 3)[strips], jnp.full(len(strips), -1)
-        wall_near = self._near(loose, off_cells, sources, by_wall).reshape(-1, 3)[places]
-        at_wall = at_wall + wall_near.reshape(wall_points.shape)
-        near = self._near(targets.reshape(groups[0], -1, 3), owners, sources, by_cells)
-        regular = self.wall.regular_flow(at_wall.astype(complex))
-        if isinstance(self.transform, RingTransform):
-            reflected = self.wall.at_rings(flat_targets, regular)
-        else:
-            reflected = self.wall.at_points(flat_targets, regular)
+        off_cells = jnp.full(len(strips), -1)
+        wall_strips = wall_points.reshape(-1, 3)[strips]
+        wall_near = self._near(wall_strips, off_cells, sources, by_wall)
+        at_wall = at_wall + wall_near.reshape(-1, 3)[places]
+        near = self._near(targets.reshape(targets.shape[0], -1, 3), owners, sources, by_cells)
+        reflected = self.wall.velocity(
+            loose, self.wall.regular_flow(at_wall.reshape(wall_points.shape))
+        )
         total = near.reshape(targets.shape) + (far - reflected).reshape(targets.shape)
         total = jnp.where(jnp.isfinite(targets), total, jnp.nan)
         square = jnp.sum(targets[..., :2] ** 2, axis=-1)
         profile = 2.0 * (1.0 - square / self.radius**2)
-        driven = profile * (float(mean_flow) - self.extra_flux(sources))
-        if self.quasi_periodic:
-            return total.at[..., 2].add(jnp.where(self.wall.phase == 0.0, driven, 0.0))
-        return total.real.at[..., 2].add(driven)
+        return total.at[..., 2].add(profile * (float(mean_flow) - self.extra_flux(sources)))
 
     def _far_modes(self, sources: Sources) -> Array:
         """Far velocity [3, *mode]."""
-        points = _numbers(sources.points).reshape(-1, *sources.points.shape[2:])
+        points = _numbers(sources.points).reshape(-1, 3)
         parts = [each for each in (sources.forces, sources.stresslets) if each is not None]
-        strengths = jnp.concatenate(parts, axis=-1).reshape(*points.shape[:2], -1)
+        strengths = jnp.concatenate(parts, axis=-1).reshape(len(points), -1)
         modes = tuple(self.transform.analyse(points, strengths))
         return jnp.stack(
             far_velocity_modes(
@@ -171,7 +151,7 @@ class PeriodicTube(eqx.Module):
         self, targets: Array, owners: Array, sources: Sources, neighbours: Neighbours | None
     ) -> Array:
         """Near sums over all images, [group, target, 3]."""
-        by_image = near_sum(
+        total = near_sum(
             targets,
             owners,
             sources,
@@ -183,11 +163,8 @@ class PeriodicTube(eqx.Module):
             keep=None if neighbours is None else neighbours.pairs.keep,
         ) / (8.0 * math.pi)
         if neighbours is not None and self.close is not None:
-            by_image += self.close.velocity(neighbours, targets, sources, self.wall.period)
-        if not self.quasi_periodic:
-            return jnp.sum(by_image, axis=0)
-        phases = jnp.exp(1j * self.wall.phase * jnp.arange(-self.images, self.images + 1))
-        return jnp.einsum("p,pgtc->gtc", phases, by_image)
+            total += self.close.velocity(neighbours, targets, sources, self.wall.period)
+        return total
 
 
 def _numbers(points: Array) -> Array:
@@ -203,8 +180,6 @@ def periodic_tube(
     extent: float,
     cutoff: float,
     tolerance: float,
-    rings: bool,
-    phase: float | None = None,
     close: Callable[[float], CloseEvaluation] | None = None,
     coarse_beyond: float = math.inf,
 ) -> PeriodicTube:
@@ -216,31 +191,16 @@ def periodic_tube(
     - `extent`: how far sources and targets may reach axially beyond one period; with `cutoff` it
       fixes how many images the near sum visits.
     - `cutoff`, `tolerance`: range of the Ewald near kernel and relative truncation error.
-    - `rings`: sources and targets form rings about the axis.
-    - `phase`: q in radians per period, for a quasi-periodic flow (rings only).
     - `close`: makes what serves targets close to a cell, from the parameter of the near kernel.
     - `coarse_beyond`: distance from a cell at which its coarse samples serve.
     """
     split = ewald_split(cutoff, tolerance)
-    # Wider than the tube by the near kernel's range, which so never reaches an image across.
-    width = diameter + cutoff
-    turned = 0.0 if phase is None else phase
-    images = math.floor((cutoff + extent + period) / period)
-    transform: Transform
-    if rings:
-        transform = ring_transform(split, width, period, turned)
-    elif phase is None:
-        transform = nonuniform_transform(split, width, period, tolerance)
-    else:
-        raise ValueError("a quasi-periodic flow needs sources in rings")
     return PeriodicTube(
         split=split,
-        transform=transform,
-        wall=tube_wall(
-            0.5 * diameter, period, gap=gap, tolerance=tolerance, phase=turned, shared=rings
-        ),
+        # Wider than the tube by the near kernel's range, which so never reaches an image across.
+        transform=transform(split, diameter + cutoff, period, tolerance),
+        wall=tube_wall(0.5 * diameter, period, gap=gap, tolerance=tolerance),
         close=None if close is None else close(split.parameter),
         coarse_beyond=coarse_beyond,
-        images=shared_size(images) if rings else images,
-        quasi_periodic=phase is not None,
+        images=math.floor((cutoff + extent + period) / period),
     )

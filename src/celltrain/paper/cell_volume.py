@@ -8,9 +8,9 @@ import xarray as xr
 from celltrain.harmonics import profile_of
 from celltrain.membrane.equilibrium import contact_volume, relaxed_shape
 from celltrain.membrane.relaxation import REPULSION_RANGE, relaxation
+from celltrain.meridian.geometry import meridian_points
 from celltrain.paper.curves import side_by_side, sparse_and_dense
 from celltrain.paper.finding import DENSE, SPARSE, Finding, at, finding, in_paper_units, number
-from celltrain.train import meridian
 
 #: Reduced volumes of the drawn family; the healthy cell's is 0.6444.
 FAMILY = (0.4, 0.5, 0.6, 0.6444, 0.7, 0.8, 0.9, 1.0)
@@ -28,9 +28,9 @@ def family(quick: bool) -> xr.Dataset:
     """Meridians of the family of shapes at rest, in r0, and how close their faces come."""
     degree = QUICK_DEGREE if quick else DEGREE
     problem = relaxation(degree)
-    shapes = [relaxed_shape(degree, v) for v in FAMILY]
-    profiles = np.stack([np.stack(meridian(shape, 401)) for shape in shapes])
-    unknowns = [problem.unknowns(profile_of(shape)) for shape in shapes]
+    shapes = [profile_of(relaxed_shape(degree, v)) for v in FAMILY]
+    profiles = np.stack([np.stack(meridian_points(shape, 401)) for shape in shapes])
+    unknowns = [problem.unknowns(shape) for shape in shapes]
     held = np.array([problem.held(each) for each in unknowns])
     thickness = [problem.least_thickness(each) for each in unknowns]
     return xr.Dataset(

@@ -7,8 +7,8 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from celltrain.meridian.geometry import meridian_points
 from celltrain.steady import Base
-from celltrain.train import meridian
 
 CELLS = 3
 MARGIN = 0.35
@@ -25,7 +25,7 @@ def draw_profile(base: Base, path: Path) -> Path:
         OSError: if the picture cannot be written.
     """
     train = base.train
-    half = np.stack(meridian(base.coefficients), axis=-1)
+    half = np.stack(meridian_points(base.profile), axis=-1)
     closed = np.concatenate([half, half[::-1] * [-1.0, 1.0]])
     shifts = train.period * (np.arange(CELLS) - (CELLS - 1) / 2)
     middle = 0.5 * (closed[:, 1].min() + closed[:, 1].max())

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from celltrain.continuation import BranchSearch
-from celltrain.train import meridian
+from celltrain.meridian.geometry import meridian_points
 
 #: Trains beyond these are counted, not drawn.
 MOST_SHAPES = 7
@@ -25,7 +25,7 @@ def draw_search(search: BranchSearch, path: Path) -> Path:
     panels = figure.subplots(1, len(trains), sharey=True, squeeze=False)[0]
     wall = search.known.train.radius
     for axes, edge, (name, base) in zip(panels, EDGES, trains, strict=False):
-        half = np.stack(meridian(base.coefficients), axis=-1)
+        half = np.stack(meridian_points(base.profile), axis=-1)
         closed = np.concatenate([half, half[::-1] * [-1.0, 1.0]])
         axes.fill(closed[:, 1], closed[:, 0], facecolor=edge, alpha=0.25)
         axes.plot(closed[:, 1], closed[:, 0], color=edge, linewidth=1.4)

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from celltrain.diagnostics.streamlines import MeridionalFlow, recirculation
+from celltrain.meridian.geometry import meridian_points
 from celltrain.steady import Base
-from celltrain.train import meridian
 
 # Levels of the stream function over that at the wall: few where fluid passes, more where it turns.
 PASSING = np.array([0.8, 0.5, 0.25, 0.1, 0.03, 0.01, 0.003])
@@ -31,7 +31,7 @@ def draw_streamlines(base: Base, flow: MeridionalFlow, path: Path) -> Path:
     whole = float(np.abs(flow.stream_function[:, -1]).max())
     largest = float(np.nanmax(stream))
     found = recirculation(base, flow)
-    outline = meridian(base.coefficients)
+    outline = meridian_points(base.profile)
     for image in (0, 1):
         z = flow.axial + image * period
         for sign in (1.0, -1.0):

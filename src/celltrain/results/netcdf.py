@@ -151,6 +151,7 @@ def _stability_variables(result: Stability) -> dict[str, Any]:
         "wave_numbers": np.asarray(result.wave_numbers),
         **{name: getattr(result, name) for name in _STABILITY_SCALARS},
         "convergence_degrees": np.array(result.convergence.degrees, dtype=np.int64),
+        "convergence_least": result.convergence.least,
         "convergence_abscissas": np.array(result.convergence.values, dtype=float),
         "norm": _strings(result.numerical_abscissas),
         "numerical_abscissas": np.array(list(result.numerical_abscissas.values()), dtype=float),
@@ -224,6 +225,7 @@ def _read_stability(data: xr.Dataset, base: Base) -> Stability:
             base.train.degree,
             tuple(data["convergence_degrees"].values.tolist()),
             tuple(data["convergence_abscissas"].values.tolist()),
+            float(data["convergence_least"]),
         ),
         numerical_abscissas=_named(data, "norm", "numerical_abscissas"),
         transient=TransientMode(

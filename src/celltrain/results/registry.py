@@ -193,10 +193,9 @@ QUANTITIES: dict[str, Quantity] = _table(
         "largest growth rate at these degrees",
         ("degree",),
     ),
+    Quantity("convergence_least", "", "U/r0", "the smallest error that is stated"),
     Quantity("bar_mode", "", "1", "number of the mode that each error bar belongs to", ("bar",)),
-    Quantity(
-        "bar_by_degree", "", "U/r0", "what higher degrees leave of its eigenvalue", ("bar",)
-    ),
+    Quantity("bar_by_degree", "", "U/r0", "what higher degrees leave of its eigenvalue", ("bar",)),
     Quantity("bar_by_rules", "", "U/r0", "change of its eigenvalue by finer rules", ("bar",)),
     Quantity("bar_overlap", "", "1", "overlap with the mode in these computations", ("bar",)),
     Quantity(

@@ -26,9 +26,9 @@ def summary(result: Base | Stability) -> dict[str, Any]:
     `velocity_error`, `origin`, `seconds`. Of a :class:`Stability` also `spectral_abscissa`,
     `numerical_abscissa`, `numerical_abscissas`, `error_estimate` with the `degree` and the
     `convergence` that tell it, the `condition_number` of the leading eigenvalue, `leading_modes`,
-    sorted by growth rate, `neutral_defects` (what the dynamics makes of neutral modes before deflation), and
-    if they were asked for `error_bars` and with them `growth_sign` (1, -1, or 0 where the bars do
-    not tell). Numbers that are not finite become None.
+    sorted by growth rate, `neutral_defects` (what the dynamics makes of neutral modes before
+    deflation), and if they were asked for `error_bars` and with them `growth_sign` (1, -1, or 0
+    where the bars do not tell). Numbers that are not finite become None.
     """
     base = result.base if isinstance(result, Stability) else result
     content: dict[str, Any] = {

@@ -46,6 +46,12 @@ from celltrain.stability.norms import (
     SurfaceNorm,
     paper_weights,
 )
+from celltrain.stability.parameter_sensitivity import (
+    ParameterSensitivities,
+    ParameterSensitivity,
+    parameter_sensitivities,
+    wave_sensitivities,
+)
 from celltrain.stability.pseudospectrum import (
     Kreiss,
     Pseudospectrum,
@@ -84,6 +90,8 @@ __all__ = [
     "OptimalDisturbance",
     "OrthonormalNorm",
     "PaperNorm",
+    "ParameterSensitivities",
+    "ParameterSensitivity",
     "Peak",
     "Pseudospectrum",
     "Stability",
@@ -116,6 +124,7 @@ __all__ = [
     "numerical_abscissa",
     "optimal_disturbance",
     "paper_weights",
+    "parameter_sensitivities",
     "propagator_norm",
     "pseudospectrum",
     "receptivity",
@@ -123,5 +132,6 @@ __all__ = [
     "stability",
     "structural_sensitivity",
     "transient_growth",
+    "wave_sensitivities",
     "with_error_bars",
 ]

@@ -15,14 +15,17 @@ from celltrain.stability.neutral import neutral_space
 from celltrain.stability.spectrum import growing_eigenvalues
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.steady.base import IterationProgress
-from celltrain.steady.degree import Convergence, higher, raised, remaining
+from celltrain.steady.degree import FEWEST, Convergence, higher, raised, remaining
 from celltrain.steady.solve import at_degree
 
 #: Azimuthal numbers of the modes that matter in nearly all trains; others are added where they
 #: lead.
 NUMBERS = (0, 1, 2, 3)
-#: Accuracy of growth rates unless told otherwise: relative, and in U/r0 where that is less strict.
-ACCURACY, SMALL_RATE = 0.01, 1e-4
+#: Relative accuracy of growth rates unless told otherwise.
+ACCURACY = 0.01
+#: Per accuracy, the error in U/r0 that is small enough for any growth rate (1e-4 at the usual
+#: accuracy), and the smallest that is stated.
+SMALL_RATE, LEAST_ERROR = 1e-2, 1e-3
 # What is left open at the highest degree, relative to the error that it is to tell.
 KNOWN = 0.25
 
@@ -33,8 +36,8 @@ class AbscissaLadder:
     """Steady trains and spectral abscissas of one case at several degrees.
 
     **Arguments:** `case`: the case, or a steady train of it; `numbers`: azimuthal numbers to look
-    at; `phases`: q in radians per cell, those of the train's N cells if not given; `start`: a steady
-    train of another case to go on from.
+    at; `phases`: q in radians per cell, those of the train's N cells if not given; `start`: a
+    steady train of another case to go on from.
     """
 
     def __init__(
@@ -93,7 +96,7 @@ class AbscissaLadder:
         own = self._train.resolution.degree
         if own is not None:
             self.base(own, iteration)
-            return self._with_error(own, tell) if estimate_error else Convergence(own)
+            return self._with_error(own, accuracy, tell) if estimate_error else Convergence(own)
 
         def abscissa(degree: int) -> float:
             self.base(degree, iteration)
@@ -101,9 +104,11 @@ class AbscissaLadder:
             tell(f"degree {degree}: largest growth rate {value:.6f} U/r0")
             return value
 
-        return raised(abscissa, lambda found: accurate(found, accuracy))
+        return raised(
+            abscissa, lambda found: accurate(found, accuracy), least=LEAST_ERROR * accuracy
+        )
 
-    def _with_error(self, degree: int, tell: Tell) -> Convergence:
+    def _with_error(self, degree: int, accuracy: float, tell: Tell) -> Convergence:
         """The abscissa at a degree and at higher ones, until these tell its error.
 
         At the highest degrees lower ones take their place.
@@ -117,13 +122,15 @@ class AbscissaLadder:
             tell(f"for the error, degree {above}: largest growth rate {values[-1]:.6f} U/r0")
             degrees.append(above)
             error = abs(values[0] - values[-1])
-            if len(values) > 2 and remaining(values) <= max(KNOWN * error, SMALL_RATE):
+            if len(values) >= FEWEST and remaining(values) <= max(
+                KNOWN * error, SMALL_RATE * accuracy
+            ):
                 break
         for below in (degree - 4, degree - 8):
-            if len(values) < 3 and below >= LEAST_DEGREE:
+            if len(values) < FEWEST and below >= LEAST_DEGREE:
                 degrees.insert(0, below)
                 values.insert(0, self.abscissa(below))
-        return Convergence(degree, tuple(degrees), tuple(values))
+        return Convergence(degree, tuple(degrees), tuple(values), LEAST_ERROR * accuracy)
 
     def look_at(self, m: int) -> None:
         """Add an azimuthal number."""
@@ -149,8 +156,8 @@ class AbscissaLadder:
 
 
 def accurate(convergence: Convergence, accuracy: float) -> bool:
-    """Whether the last value is known to a relative accuracy, or to `SMALL_RATE`."""
-    return convergence.left <= max(accuracy * abs(convergence.values[-1]), SMALL_RATE)
+    """Whether the last value is known to a relative accuracy, or to a small rate."""
+    return convergence.left <= accuracy * max(abs(convergence.values[-1]), SMALL_RATE)
 
 
 def check_accuracy(accuracy: float) -> None:

@@ -106,9 +106,7 @@ def _bar(
     )
 
 
-def _found(
-    result: Stability, places: Places, compute: Callable[[], Base], *, finer: bool
-) -> Found:
+def _found(result: Stability, places: Places, compute: Callable[[], Base], *, finer: bool) -> Found:
     """The eigenvalues of modes, and their overlaps, for a train that is computed otherwise."""
     try:
         base = compute()

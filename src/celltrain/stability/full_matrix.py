@@ -1,8 +1,8 @@
-"""The full matrix of a train's linear dynamics, the paper's own object.
+"""The full matrix of a train's linear dynamics, the paper's own object, by the operator in JAX.
 
 It takes 3 M^2 directions, one for each coefficient of one cell; the other cells' columns follow
-from the train's periodicity. The blocks of `linear_blocks` hold the same in a small part of the
-time; this is the check on them.
+from the train's periodicity. The blocks of `linear_blocks` hold the same, computed in another way
+and in a small part of the time: each is the check on the other.
 """
 
 import abc
@@ -14,25 +14,18 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.stability.linearise import BATCH
+from celltrain.meridian.geometry import clearance
 from celltrain.steady import Base
-from celltrain.train import (
-    TrainOperator,
-    clearance,
-    close_distance,
-    place_cells,
-    train_operator,
-)
+from celltrain.train import TrainOperator, close_distance, place_cells, train_operator
+
+#: Directions at once, which bounds the memory of exact derivatives.
+BATCH = 12
 
 Columns = Float[Array, "direction cell 3 coefficient"]
 
 
 class Derivative(abc.ABC):
     """How the columns of the matrix are computed."""
-
-    @abc.abstractmethod
-    def operator(self, base: Base) -> TrainOperator:
-        """The operator for all cells of the train."""
 
     @abc.abstractmethod
     def columns(
@@ -43,13 +36,7 @@ class Derivative(abc.ABC):
 
 @dataclass(frozen=True)
 class ExactDerivative(Derivative):
-    """Automatic differentiation about the axisymmetric train."""
-
-    def operator(self, base: Base) -> TrainOperator:
-        """The operator for shapes in rings."""
-        train = base.train
-        apart = clearance(base.coefficients, train.period, train.radius)
-        return train_operator(train, cells=train.cells, close=apart < close_distance(train))
+    """Automatic differentiation."""
 
     def columns(
         self, operator: TrainOperator, shapes: Array, directions: Array, batch: int
@@ -63,10 +50,6 @@ class FiniteDifference(Derivative):
     """One-sided differences, Eq. (12) of Bryngelson & Freund (2018); their step is 1e-3 r0."""
 
     step: float = 1e-3
-
-    def operator(self, base: Base) -> TrainOperator:
-        """The operator for any shapes."""
-        return train_operator(base.train, cells=base.train.cells, rings=False)
 
     def columns(
         self, operator: TrainOperator, shapes: Array, directions: Array, batch: int
@@ -98,6 +81,13 @@ def _difference_columns(
     return jax.lax.map(column, directions)
 
 
+def matrix_operator(base: Base) -> TrainOperator:
+    """The operator for all cells of a steady train, as its matrix needs it."""
+    train = base.train
+    apart = clearance(base.profile, train.period, train.radius)
+    return train_operator(train, cells=train.cells, close=apart < close_distance(train))
+
+
 def full_matrix(
     base: Base, *, derivative: Derivative | None = None, batch: int = BATCH
 ) -> Float[np.ndarray, "size size"]:
@@ -117,7 +107,7 @@ def full_matrix(
     size = base.coefficients.size
     shapes = jnp.asarray(place_cells(base.coefficients, base.train, cells))
     directions = jnp.eye(size).reshape(size, *base.coefficients.shape)
-    columns = derivative.columns(derivative.operator(base), shapes, directions, batch)
+    columns = derivative.columns(matrix_operator(base), shapes, directions, batch)
     by_cell = np.asarray(columns).reshape(size, cells, size).transpose(1, 2, 0)
     rows = [
         np.concatenate([by_cell[(row - column) % cells] for column in range(cells)], axis=1)

@@ -175,14 +175,14 @@ def infinite_train(
 
     **Arguments:**
 
-    - `case`: a case or a steady train of it; the number of cells does not matter. The degree of a case
-      that has none rises as in `stability`.
+    - `case`: a case or a steady train of it; the number of cells does not matter. The degree of a
+      case that has none rises as in `stability`.
     - `phases`: q in radians per cell, rising, 0 or from 0.001 to pi; 17 in equal steps from 0
       to pi if not given.
     - `azimuthal_numbers`: m, each from 0 to the degree.
     - `norm`: of eta_m(q); that of the paper, Eq. (8), if not given.
-    - `start`, `accuracy`, `estimate_error`, `iteration`, `tell`: as for `stability`; the error is that of
-      the largest growth rate at the phases looked at.
+    - `start`, `accuracy`, `estimate_error`, `iteration`, `tell`: as for `stability`; the error is
+      that of the largest growth rate at the phases looked at.
     - `progress`: called with (azimuthal numbers done, all).
 
     **Returns:** an `InfiniteTrain`.
@@ -306,7 +306,7 @@ def _most_unstable(
             return _leading(dynamics.base, m, q, dynamics.blocks(m, [q])[0])
 
         found = scipy.optimize.minimize_scalar(
-            lambda q: -mode(float(q)).growth_rate,  # noqa: B023
+            lambda q: -mode(float(q)).growth_rate,
             bounds=(low, high),
             method="bounded",
             options={"xatol": PHASE_TOLERANCE},

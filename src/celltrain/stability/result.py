@@ -67,8 +67,9 @@ class Stability:
     Dictionaries are keyed by the azimuthal number m; arrays have one entry for each of the wave
     numbers j = 0 ... N/2. `spectral_abscissa` is the largest growth rate of a mode that is not
     neutral by symmetry, and `error_estimate` its error by `convergence`, the abscissas at several
-    degrees (not a number, and none, if that was not asked for). `numerical_abscissas` holds the numerical abscissa in every norm offered. `error_bars` are
-    those of the leading modes, if they were asked for.
+    degrees (not a number, and none, if that was not asked for). `numerical_abscissas` holds the
+    numerical abscissa in every norm offered. `error_bars` are those of the leading modes, if they
+    were asked for.
     """
 
     base: Base

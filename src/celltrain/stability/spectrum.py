@@ -81,7 +81,7 @@ def growing_eigenvalues(
     if neutral.count:
         rest = scipy.linalg.qr(np.concatenate(known, axis=1))[0][:, neutral.count :]
         block = rest.T @ block @ rest
-    values = scipy.linalg.eigvals(_plain(block))
+    values = np.asarray(scipy.linalg.eigvals(_plain(block)), dtype=complex)
     return values[np.argsort(-values.real, kind="stable")]
 
 

@@ -2,10 +2,13 @@
 
 A number x(M) converges faster than any power of 1/M once the degree M follows the shape, but not
 evenly: single changes may be small by chance. So what is left after the last degree is judged by
-all changes d_i = |x_i - x_(i-1)|, each carried on at the rate at which they are seen to fall, but
-at no better than `BEST_RATE` from one degree to the next,
+the last `CHANGES` changes d_i = |x_i - x_(i-1)|, each carried on at the rate at which they are seen
+to fall, but at none better than `BEST_RATE` and none worse than `WORST_RATE` from one degree to the
+next,
 
-    left = rate/(1 - rate) max_i (d_i rate^(last - i)),   rate = within [BEST_RATE, WORST_RATE].
+    left = rate/(1 - rate) max_i (d_i rate^(last - i)).
+
+Three degrees are the fewest that tell.
 """
 
 import math
@@ -15,21 +18,28 @@ from itertools import pairwise
 
 #: The degrees that are tried, one after another.
 DEGREES = (12, 16, 20, 24, 32, 40, 48)
-BEST_RATE, WORST_RATE = 0.4, 0.75
+BEST_RATE, WORST_RATE = 0.25, 0.7
+CHANGES = 3
+#: Fewest degrees whose changes tell what is left.
+FEWEST = 3
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """A number at several degrees, and which of them is taken; in the number's own unit."""
+    """A number at several degrees, and which of them is taken; in the number's own unit.
+
+    `least` is the smallest error that is stated, as the smallest changes are also chance.
+    """
 
     degree: int
     degrees: tuple[int, ...] = ()
     values: tuple[float, ...] = ()
+    least: float = 0.0
 
     @property
     def left(self) -> float:
         """What the last degree leaves open; not a number from a single degree."""
-        return remaining(self.values)
+        return max(remaining(self.values), self.least) if len(self.values) > 1 else math.nan
 
     @property
     def error(self) -> float:
@@ -47,7 +57,8 @@ def remaining(values: Sequence[float]) -> float:
     last = len(changes) - 1
     rates = [b / a for a, b in pairwise(changes) if a > 0.0]
     rate = min(max(rates[-1], BEST_RATE), WORST_RATE) if rates else WORST_RATE
-    envelope = max(change * rate ** (last - place) for place, change in enumerate(changes))
+    recent = range(max(0, last + 1 - CHANGES), last + 1)
+    envelope = max(changes[place] * rate ** (last - place) for place in recent)
     return envelope * rate / (1.0 - rate)
 
 
@@ -57,14 +68,18 @@ def higher(degree: int) -> tuple[int, ...]:
 
 
 def raised(
-    evaluate: Callable[[int], float], enough: Callable[[Convergence], bool], first: int = DEGREES[0]
+    evaluate: Callable[[int], float],
+    enough: Callable[[Convergence], bool],
+    *,
+    first: int = DEGREES[0],
+    least: float = 0.0,
 ) -> Convergence:
     """The degree raised from `first` until the values are enough, or there is none higher."""
     degrees: tuple[int, ...] = ()
     values: tuple[float, ...] = ()
     for degree in (first, *higher(first)):
         degrees, values = (*degrees, degree), (*values, evaluate(degree))
-        found = Convergence(degree, degrees, values)
-        if len(values) > 1 and enough(found):
+        found = Convergence(degree, degrees, values, least)
+        if len(values) >= FEWEST and enough(found):
             break
     return found

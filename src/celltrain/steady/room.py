@@ -22,8 +22,8 @@ def least_diameter(area: float, volume: float) -> float:
     def missing(r: float) -> float:
         return 0.5 * area * r - 2.0 / 3.0 * math.pi * r**3 - volume
 
-    # A sphere has no area to spare: the two roots meet there.
-    if missing(sphere) <= 0.0:
+    # A sphere has no area to spare: the two roots meet there, up to rounding.
+    if missing(sphere) <= 1e-12 * volume:
         return 2.0 * sphere
     return 2.0 * float(brentq(missing, 0.0, sphere))
 

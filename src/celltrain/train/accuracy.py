@@ -46,7 +46,6 @@ def rates_error(
     train: Train,
     shapes: Float[np.ndarray, "cell 3 coefficient"],
     *,
-    axisymmetric: bool = False,
     close: bool = True,
     gap: float | None = None,
 ) -> float:
@@ -56,24 +55,13 @@ def rates_error(
     finer ones, times a margin: everything but the degree of the shapes, whose effect see in
     `Base.truncation_error`.
 
-    **Arguments:** `axisymmetric`: of axisymmetric cells, which takes a fraction of the time (and
-    leaves the viscosity ratio out: they are thought to move steadily); `close`, `gap`: as for
-    `train_operator`.
+    **Arguments:** `close`, `gap`: as for `train_operator`.
 
     **Returns:** not a number if a velocity is none.
     """
-    if axisymmetric:
-        train = train.changed(viscosity_ratio=1.0)
 
     def operator(train: Train) -> TrainOperator:
-        return train_operator(
-            train,
-            cells=len(shapes),
-            rings=axisymmetric,
-            meridian=axisymmetric,
-            close=close,
-            gap=gap,
-        )
+        return train_operator(train, cells=len(shapes), close=close, gap=gap)
 
     better = operator(refined(train))
     values, points = better.target_grid.values, jnp.asarray(shapes)

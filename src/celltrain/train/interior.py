@@ -57,7 +57,7 @@ class InteriorFlow(eqx.Module):
         return jnp.einsum("crik,crjl,cjl->cik", self.rigid, self.rigid, motions)
 
     def apply(self, outer: Outer, motions: Array) -> Array:
-        """K u; `outer` may be complex (a wave along the train)."""
+        """K u."""
         rigid = self.rigid_part(motions)
         rest = self.without_inflation(motions - rigid)
         flow = _by_cell(self.near, rest) + outer(rest)

@@ -45,8 +45,8 @@ SOLVER_TOLERANCE = 0.1
 class TrainOperator(eqx.Module):
     """Rates of change of the shapes in one period of a train.
 
-    With `meridian`, shapes must be axisymmetric, and the velocity is computed on one meridian only.
-    `viscosity_ratio` is absent if it is 1, and with it the double layer.
+    Shapes may be any, and rates have forward derivatives. `viscosity_ratio` is absent if it is 1,
+    and with it the double layer.
     """
 
     membrane: Membrane
@@ -57,7 +57,6 @@ class TrainOperator(eqx.Module):
     target_grid: SphereGrid
     viscosity_ratio: Float[Array, ""] | None
     solver_tolerance: float = eqx.field(static=True)
-    meridian: bool = eqx.field(static=True)
 
     def rates(self, shapes: Shapes, added: Shapes | None = None) -> Shapes:
         """v(s) = ds/dt, in U; not a number if the flow inside the cells could not be solved for.
@@ -127,8 +126,6 @@ class TrainOperator(eqx.Module):
         """Points of the target grid on each cell."""
         grid = self.target_grid
         values = grid.values.reshape(grid.rings, grid.azimuths, -1)
-        if self.meridian:
-            values = values[:, :1]
         return jnp.einsum("rak,cik->crai", values, shapes)
 
     def source_points(self, shapes: Shapes) -> Float[Array, "cell ring azimuth 3"]:
@@ -151,8 +148,7 @@ class TrainOperator(eqx.Module):
         self, targets: Float[Array, "cell ring azimuth 3"], shapes: Shapes, forces: Shapes
     ) -> Float[Array, "cell ring azimuth 3"]:
         """Velocity on each cell by the near kernel of its own force."""
-        longitudes = self.target_grid.phi[: targets.shape[2]]
-        return self.own_rule.velocity(targets, longitudes, shapes, forces)
+        return self.own_rule.velocity(targets, self.target_grid.phi, shapes, forces)
 
     def outer_velocity(
         self, targets: Float[Array, "cell ring azimuth 3"], shapes: Shapes, forces: Shapes
@@ -190,18 +186,6 @@ class TrainOperator(eqx.Module):
 
     def project(self, velocity: Array) -> Array:
         """Harmonic coefficients [cell, 3, coefficient] of velocities on the target grid."""
-        if self.meridian:
-            # The velocity at longitude phi is that at 0, turned.
-            cosine, sine = jnp.cos(self.target_grid.phi), jnp.sin(self.target_grid.phi)
-            radial, swirl, axial = (velocity[..., i] for i in range(3))
-            velocity = jnp.stack(
-                [
-                    radial * cosine - swirl * sine,
-                    radial * sine + swirl * cosine,
-                    jnp.broadcast_to(axial, axial.shape[:-1] + cosine.shape),
-                ],
-                axis=-1,
-            )
         cells = velocity.shape[0]
         return jnp.einsum(
             "kp,cpi->cik", self.target_grid.projection, velocity.reshape(cells, -1, 3)
@@ -259,23 +243,14 @@ def train_operator(
     train: Train,
     *,
     cells: int = 1,
-    rings: bool = True,
-    meridian: bool = False,
-    phase: float | None = None,
-    close: bool | None = None,
+    close: bool = True,
     gap: float | None = None,
 ) -> TrainOperator:
     """The operator for `cells` cells in a period of their own.
 
     **Arguments:**
 
-    - `rings`: the base shapes are axisymmetric about the axis (derivatives may leave that); with
-      `rings=False` any shapes are allowed.
-    - `meridian`: only axisymmetric shapes and disturbances.
-    - `phase`: q in radians per period, for disturbances that change by exp(i q) from one
-      period to the next.
-    - `close`: whether cells may come closer to each other or to the wall than `close_distance`;
-      by default they may, unless they form rings.
+    - `close`: whether cells may come closer to each other or to the wall than `close_distance`.
     - `gap`: smallest distance of a cell from the wall for which the wall is resolved, in r0; by
       default that of a resting cell on the axis.
     """
@@ -302,9 +277,7 @@ def train_operator(
         extent=HALF_LENGTH,
         cutoff=resolution.near_cutoff,
         tolerance=resolution.tolerance,
-        rings=rings,
-        phase=phase,
-        close=close_evaluation if (not rings if close is None else close) else None,
+        close=close_evaluation if close else None,
         # Errors of the ordinary rules fall exponentially with the distance.
         coarse_beyond=2.0
         * close_distance(train)
@@ -325,5 +298,4 @@ def train_operator(
         target_grid=target_grid,
         viscosity_ratio=None if ratio == 1.0 else jnp.asarray(ratio),
         solver_tolerance=SOLVER_TOLERANCE * resolution.tolerance,
-        meridian=meridian,
     )

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.parameters import CaseError
-from celltrain.steady.base import Base
-from celltrain.train import TrainOperator, train_operator
+from celltrain.steady import Base
+from celltrain.train.operator import TrainOperator, train_operator
 
 
 @eqx.filter_jit
@@ -38,7 +38,7 @@ def fluid_velocity(
     # Into the period about the cell at the origin.
     inside = points.copy()
     inside[:, 2] -= base.train.period * np.round(inside[:, 2] / base.train.period)
-    operator = train_operator(base.train, rings=False)
+    operator = train_operator(base.train)
     return np.asarray(
         _velocity(operator, jnp.asarray(inside), jnp.asarray(base.coefficients)[None])
     )

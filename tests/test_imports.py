@@ -1,0 +1,25 @@
+"""What axisymmetric trains and studies of them need is loaded without JAX."""
+
+import subprocess
+import sys
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "celltrain",
+        "celltrain.membrane",
+        "celltrain.steady.parameters",
+        "celltrain.stability",
+        "celltrain.continuation",
+        "celltrain.diagnostics",
+        "celltrain.results",
+        "celltrain.study",
+        "celltrain.pictures",
+    ],
+)
+def test_no_jax_is_imported(name: str) -> None:
+    program = f"import sys, {name}; assert not {{'jax', 'equinox'}} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", program], check=True)
