@@ -8,10 +8,10 @@ from numpy.testing import assert_allclose
 
 from celltrain.flow.close_pairs import ClosePairs, close_pairs
 from celltrain.flow.overlaps import overlaps
+from celltrain.harmonics import profile_of
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import reference_coefficients
-from celltrain.parameters import Cell
-from celltrain.parameters.reference_shape import resting_measures
+from celltrain.meridian.geometry import size_at_rest
 
 CELLS, TARGETS, SOURCES, IMAGES = 3, 70, 40, 2
 DISTANCE, PERIOD = 0.35, 3.0
@@ -146,7 +146,8 @@ class TestOverlaps:
         found = overlaps(shapes, period=3.4, radius=1.5)
         assert [(each.first, each.second, each.image) for each in found] == [(1, 2, 0)]
         # The grids' points lie where both are thickest, on the same ring: as deep as they can be.
-        assert found[0].depth == pytest.approx(resting_measures(Cell())[1] - 0.8, abs=0.02)
+        thickness = size_at_rest(profile_of(reference_coefficients(6, "biconcave")))[1]
+        assert found[0].depth == pytest.approx(thickness - 0.8, abs=0.02)
         assert 1.5 < found[0].point[2] < 1.7
         assert "cell 1 and cell 2 overlap" in str(found[0])
 

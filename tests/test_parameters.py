@@ -22,7 +22,6 @@ from celltrain.parameters import (
     merge_case,
     paper_units,
 )
-from celltrain.parameters.reference_shape import resting_measures
 
 NOMINAL = {"diameter": 6, "packing": 0.2, "cells": 8}
 
@@ -64,15 +63,11 @@ def test_defaults_are_the_red_blood_cell_in_the_reference_scales():
 @pytest.mark.parametrize(
     ("leaves", "parts"),
     [
-        ({"diameter": 2.5}, ["diameter = 2.5", "> 2.7716"]),
-        ({"diameter": 2.0, "reference": "sphere"}, ["diameter = 2 ", "> 2.0000"]),
         ({"diameter": -1}, ["diameter = -1", "> 0 and <= 100"]),
         ({"diameter": "6"}, ["diameter = '6'", "a number > 0"]),
         ({"diameter": True}, ["diameter = True"]),
         ({"diameter": math.nan}, ["diameter = nan", "> 0"]),
         ({"packing": 0}, ["packing = 0", "> 0"]),
-        ({"packing": 1.2}, ["packing = 1.2", "overlap", "> 0 and < 1.0996"]),
-        ({"packing": 0.6, "reference": "sphere"}, ["packing = 0.6", "< 0.5000"]),
         ({"cells": 0}, ["cells = 0", "a whole number >= 1"]),
         ({"cells": 2.5}, ["cells = 2.5", "a whole number >= 1"]),
         ({"shear_modulus": -1.0}, ["shear_modulus = -1.0", "> 0"]),
@@ -119,17 +114,6 @@ def test_sections_alone_have_the_same_messages():
         Tube(diameter=-1)
     with pytest.raises(CaseError, match="unknown name 'size'"):
         Tube(diameter=6, size=3)
-
-
-def test_the_largest_packing_is_that_of_the_resting_shape():
-    theta = np.linspace(0, np.pi / 2, 20001)
-    square = np.sin(theta) ** 2
-    height = 0.5 * 1.38581894 * (0.207 + 2.003 * square - 1.123 * square**2) * np.cos(theta)
-    thickness = resting_measures(Cell())[1]
-    assert thickness == pytest.approx(2 * height.max(), rel=1e-7)
-    Train(diameter=6, packing=0.9999 / thickness)
-    with pytest.raises(CaseError):
-        Train(diameter=6, packing=1.0001 / thickness)
 
 
 def test_numpy_numbers_are_numbers():
@@ -230,8 +214,8 @@ def test_a_change_keeps_the_scales_and_is_checked():
     train = Train(**NOMINAL, scales=Scales(radius=3e-6))
     assert train.changed(packing=0.5).scales.radius == 3e-6
     assert train.changed(tube=Tube(diameter=7)).tube.diameter == 7
-    with pytest.raises(CaseError, match="packing = 2"):
-        train.changed(packing=2)
+    with pytest.raises(CaseError, match="packing = -2"):
+        train.changed(packing=-2)
     with pytest.raises(CaseError, match="unknown name 'pack'"):
         train.changed(pack=2)
 
@@ -269,7 +253,7 @@ def test_si_is_converted_with_the_scales_given():
 @pytest.mark.parametrize(
     ("leaves", "parts"),
     [
-        ({"diameter": 7e-6}, ["diameter = 2.5", "> 2.7716", "diameter = 7e-06 in SI"]),
+        ({"diameter": -7e-6}, ["diameter = -2.5", "> 0", "diameter = -7e-06 in SI"]),
         ({"diameter": "wide"}, ["diameter = 'wide'"]),
         ({"diameter": 6}, ["in SI", "<= 100"]),
         ({"mean_velocity": 0}, ["mean_velocity = 0", "> 0"]),
@@ -372,5 +356,4 @@ def test_case_file_that_cannot_be_read(tmp_path):
 def test_units_of_the_options_win_over_those_of_the_file():
     case = {"units": "SI", "tube": {"diameter": 16.8e-6}, "train": {"packing": 0.2}}
     assert merge_case(case, {}).tube.diameter == pytest.approx(6)
-    with pytest.raises(CaseError, match="diameter"):
-        merge_case(case, {"units": "dimensionless"})
+    assert merge_case(case, {"units": "dimensionless"}).tube.diameter == 16.8e-6

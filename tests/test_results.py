@@ -100,6 +100,7 @@ def test_every_field_of_a_result_is_written(make_stability: Callable[..., Stabil
         "modes": "mode_growth_rate",
         "transient": "transient_vector",
         "error_bars": "bar_mode",
+        "convergence": "convergence_abscissas",
     }
     for field in fields(Stability):
         if field.name != "base":

@@ -3,17 +3,14 @@
 import json
 from dataclasses import replace
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.linalg
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability
-from celltrain.cli import analyses, main
+from celltrain.cli import main
 from celltrain.cli import transient as command
-from celltrain.harmonics import azimuthal_basis
 from celltrain.pictures import draw_transient_growth
 from celltrain.stability import (
     NORMS,
@@ -27,13 +24,11 @@ from celltrain.stability import (
     numerical_abscissa,
     optimal_disturbance,
     propagator_norm,
-    second_variation,
     transient_growth,
 )
 from celltrain.stability.neutral import NeutralSpace
 from celltrain.stability.strain_norm import rigid_motions
 from celltrain.stability.transient import growth_peak
-from celltrain.train import train_membrane
 
 COUPLING = 10.0
 JORDAN = np.array([[-1.0, COUPLING], [0.0, -1.0]], dtype=complex)
@@ -167,29 +162,6 @@ def test_peak_is_not_below_its_neighbours(coarse_stability: Stability) -> None:
     assert_allclose(np.linalg.norm(initial, axis=(1, 2)).max(), 1.0, rtol=1e-12)
 
 
-def test_second_variation_is_that_of_the_energy(coarse_base: Base) -> None:
-    membrane = train_membrane(coarse_base.train)
-    random = np.random.default_rng(3)
-    rest = np.asarray(membrane.reference_shape)
-    energy = eqx.filter_jit(membrane.energy)
-    for m in (0, 1, 3):
-        basis = azimuthal_basis(6, m)
-        amounts = random.normal(size=len(basis)) / np.arange(1, len(basis) + 1) ** 2
-        direction = np.einsum("u,uik->ik", amounts, basis)
-        for shape in (rest, coarse_base.coefficients):
-            gram = second_variation(membrane, shape, [0, 1, 3])[m]
-            step = 1e-3
-            energies = [
-                float(energy(jnp.asarray(shape + e * step * direction))) for e in (-1, 0, 1)
-            ]
-            expected = (energies[0] - 2.0 * energies[1] + energies[2]) / step**2
-            assert_allclose(amounts @ gram @ amounts, expected, rtol=2e-4)
-        at_rest = second_variation(membrane, rest, [m])[m]
-        lowest = scipy.linalg.eigvalsh(at_rest)
-        assert lowest[0] > -1e-10 * lowest[-1]
-        assert_allclose(at_rest @ rigid_motions(rest, m), 0.0, atol=1e-9)
-
-
 def test_strain_norm_counts_rigid_motions_by_displacement(coarse_base: Base) -> None:
     shape = coarse_base.coefficients
     surface = SurfaceNorm().grams(shape, [0, 1, 2])
@@ -222,8 +194,7 @@ def test_picture(coarse_stability: Stability, tmp_path) -> None:
 
 def test_command(coarse_stability, monkeypatch, tmp_path, capsys) -> None:
     result = replace(coarse_stability)
-    monkeypatch.setattr(analyses, "steady", lambda train, **_: result.base)
-    monkeypatch.setattr(command, "stability", lambda base, **_: result)
+    monkeypatch.setattr(command, "stability", lambda train, **_: result)
     case = ["transient", "--diameter", "6", "--packing", "0.3", "--cells", "3", "--degree", "6"]
     arguments = ["--norm", "surface", "--until", "4", "--plot", str(tmp_path), "--quiet"]
     assert main([*case, *arguments, "--json"]) == 0

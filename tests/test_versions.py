@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import celltrain
+import celltrain.runtime
 
 #: JAX 0.10.2 loses terms of sums over more rows than 16384 on CPUs.
 ROWS = (16384, 16385, 20000, 40000)

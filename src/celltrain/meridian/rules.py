@@ -108,9 +108,11 @@ def choose_rules(
     finer = math.log(1.0 / tolerance) / math.log(1.0 / TOLERANCE)
 
     def points(distance: float) -> int:
-        if not distance > 0.0:
+        # More than can be had is as good as any number.
+        wanted = 0.5 * digits * float(stretch.max())
+        if not wanted < MOST_SOURCES * distance:
             return MOST_SOURCES + 1
-        return _rung(0.5 * digits * float(stretch.max()) / distance)
+        return min(_rung(wanted / distance), MOST_SOURCES + 1)
 
     nearest = 0
     length = float(z.max() - z.min())

@@ -1,36 +1,16 @@
-"""The measures of the resting cell that decide whether a case makes sense.
+"""Shapes of the resting cell that are known beforehand, and the measures of a meridian.
 
 The biconcave shape of Evans & Fung (1972), scaled to the volume 4 pi/3 of a sphere of radius r0:
 distance from its axis a sin(th), height (a/2)(0.207 + 2.003 sin^2(th) - 1.123 sin^4(th)) cos(th).
 """
 
-import math
-
 import numpy as np
-
-from celltrain.parameters.sections import Cell
 
 #: Largest radius of the biconcave cell, r0, which makes its volume 4 pi/3.
 BICONCAVE_RADIUS = 1.38581894
 
 #: Coefficients of 1, sin^2, sin^4 in the height of the biconcave cell over a/2 cos(th).
 BICONCAVE_PROFILE = (0.207, 2.003, -1.123)
-
-
-def resting_measures(cell: Cell) -> tuple[float, float] | None:
-    """Largest diameter across the axis and largest axial thickness at one distance from it, r0.
-
-    Copies of the cell on one axis overlap when they are closer than the thickness. None for a cell
-    of another reduced volume, whose shape is only known once it has been computed.
-    """
-    if cell.reduced_volume is not None:
-        return None
-    if cell.profile is not None:
-        return profile_measures(np.array(cell.profile))
-    if cell.reference == "biconcave":
-        return 2 * BICONCAVE_RADIUS, _biconcave_thickness()
-    radius, height = spheroid_axes(cell.aspect_ratio or 1.0)
-    return 2 * radius, 2 * height
 
 
 def spheroid_axes(aspect_ratio: float) -> tuple[float, float]:
@@ -51,14 +31,3 @@ def profile_measures(points: np.ndarray) -> tuple[float, float]:
         top[here], bottom[here] = np.maximum(top[here], height), np.minimum(bottom[here], height)
     known = np.isfinite(top)
     return 2.0 * float(rho.max()), float((top[known] - bottom[known]).max())
-
-
-def _biconcave_thickness() -> float:
-    constant, square, fourth = BICONCAVE_PROFILE
-    # With c = cos(th) the height over a/2 is a polynomial in c, largest where its slope is zero:
-    # a quadratic equation for c^2, whose other root is negative.
-    linear, cubic = constant + square + fourth, -square - 2 * fourth
-    cosine = math.sqrt(
-        (-3 * cubic - math.sqrt(9 * cubic**2 - 20 * fourth * linear)) / (10 * fourth)
-    )
-    return BICONCAVE_RADIUS * (linear * cosine + cubic * cosine**3 + fourth * cosine**5)

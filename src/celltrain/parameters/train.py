@@ -1,13 +1,11 @@
 """A complete case: a train of cells in a tube, checked, and dimensionless inside."""
 
-import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field, model_validator
 
 from celltrain.parameters.errors import CaseError
-from celltrain.parameters.reference_shape import resting_measures
 from celltrain.parameters.resolution import Resolution, Sizes
 from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten, nest
 from celltrain.parameters.scales import Scales
@@ -57,34 +55,6 @@ class Train(Section):
         nested = nest(flatten(given))
         train = nested.pop("train")
         return {**nested, **train, **scales}
-
-    @model_validator(mode="after")
-    def _cells_fit(self) -> Self:
-        measures = resting_measures(self.cell)
-        if measures is not None:
-            self.check_room(*measures)
-        return self
-
-    def check_room(self, diameter: float, thickness: float) -> None:
-        """See to it that the tube has room for resting cells of this size, in r0, on its axis.
-
-        Raises:
-            CaseError: if they touch the wall or each other.
-        """
-        shape: str = self.cell.reference
-        if self.cell.reduced_volume is not None:
-            shape = f"cell of reduced volume {self.cell.reduced_volume:g}"
-        if self.tube.diameter <= diameter:
-            raise CaseError(
-                f"diameter = {self.tube.diameter:g} is not allowed: the tube must be wider than"
-                f" the cell at rest ({shape}), so allowed: > {diameter:.4f} (in radii r0)"
-            )
-        if self.packing * thickness >= 1:
-            raise CaseError(
-                f"packing = {self.packing:g} is not allowed: cells at rest ({shape}) overlap when"
-                f" their spacing 1/packing is below their thickness {thickness:.4f} r0,"
-                f" so allowed: > 0 and < {_below(1 / thickness):.4f}"
-            )
 
     @property
     def period(self) -> float:
@@ -224,8 +194,3 @@ def _toml(value: Any) -> str:
     if isinstance(value, tuple):
         return f"[{', '.join(map(_toml, value))}]"
     return repr(value)
-
-
-def _below(value: float) -> float:
-    """Rounded down to four decimals, so that a printed bound is itself allowed."""
-    return math.floor(value * 1e4) / 1e4

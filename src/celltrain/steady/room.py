@@ -18,8 +18,10 @@ from celltrain.parameters import CaseError, Train
 def least_diameter(area: float, volume: float) -> float:
     """Diameter of the narrowest tube that a cell of this area and volume passes, in r0."""
     sphere = math.sqrt(area / (4.0 * math.pi))
-    # A sphere has no area to spare; rounding may ask for a little less than none.
-    reduced_volume = min(volume / (4.0 / 3.0 * math.pi * sphere**3), 1.0)
+    reduced_volume = volume / (4.0 / 3.0 * math.pi * sphere**3)
+    # A sphere has no area to spare: two roots meet there, up to rounding.
+    if reduced_volume >= 1.0 - 1e-12:
+        return 2.0 * sphere
     return 4.0 * sphere * math.sin(math.asin(reduced_volume) / 3.0)
 
 
