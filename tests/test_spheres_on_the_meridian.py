@@ -61,14 +61,12 @@ def extra_flux(flow: TrainFlow) -> np.ndarray:
 def velocity_by_forces(flow: TrainFlow) -> np.ndarray:
     """At the targets, without mean flow and before the flow rate is held, [target, 3, member].
 
-    The sum over images of a net force has no limit, but for a uniform velocity along the tube, which
-    a point on the wall tells: there nothing moves.
+    The sum over images of a net force has no limit, but for a uniform velocity along the tube,
+    which a point on the wall tells: there nothing moves.
     """
     grid, forces = flow.sources, flow.sources.sources(0)
     (z, rho), on_wall = flow.source_places, (np.zeros(1), np.full(1, flow.radius))
-    z_target, rho_target = (
-        np.concatenate(pair) for pair in zip(flow.places, on_wall, strict=True)
-    )
+    z_target, rho_target = (np.concatenate(pair) for pair in zip(flow.places, on_wall, strict=True))
     tail = Tail(
         period=flow.period,
         nearest=0,

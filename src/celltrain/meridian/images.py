@@ -2,7 +2,7 @@
 
 The fields of `kernels` on a product grid of the source, moved along the tube by a multiple of the
 period. The rule's error falls as exp(-2 n d/h), n points in theta, d the distance of the target and
-h = |dx/dtheta| of the source there; `rules` chooses n. Prefactor 1/8 pi.
+h = |dx/dtheta| of the source there, for d well below h; `rules` chooses n. Prefactor 1/8 pi.
 """
 
 from collections.abc import Callable
