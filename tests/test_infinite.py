@@ -117,19 +117,19 @@ def test_long_waves_lose_no_digits(coarse_base: Base) -> None:
 
 def test_the_degree_rises_until_the_largest_growth_rate_is_known() -> None:
     train = Train(diameter=6, packing=0.2)
-    waves = [0.0, 1.0, 2.0, 3.0]
-    found = infinite_train(train, phases=waves, azimuthal_numbers=[0, 1])
+    waves = [0.0, 2.0]
+    found = infinite_train(train, phases=waves, azimuthal_numbers=[1])
     convergence = found.convergence
     assert found.base.train.degree == convergence.degree == convergence.degrees[-1]
     assert convergence.degrees[0] == 12
-    largest = max(found.growth_rates(m).max() for m in (0, 1))
+    largest = found.growth_rates(1).max()
     assert convergence.values[-1] == pytest.approx(largest, rel=1e-9)
     assert 0.0 < found.error_estimate <= 0.01 * largest
     # At a degree of its own the case stays, and is told what that leaves.
-    coarse = infinite_train(train.changed(degree=8), phases=waves, azimuthal_numbers=[0, 1])
+    coarse = infinite_train(train.changed(degree=8), phases=waves, azimuthal_numbers=[1])
     assert coarse.base.train.degree == 8
-    largest_there = max(coarse.growth_rates(m).max() for m in (0, 1))
-    assert abs(largest_there - largest) <= coarse.error_estimate + found.error_estimate
+    change = abs(coarse.growth_rates(1).max() - largest)
+    assert change <= coarse.error_estimate + found.error_estimate
 
 
 def test_what_is_refused(coarse_base: Base) -> None:
