@@ -49,9 +49,7 @@ def trains(page: Page) -> list[Attempt]:
 
 
 def _train(diameter: float, packing: float, start: Base | None) -> Attempt:
-    train = Train(
-        diameter=diameter * 1e-6 / Scales().radius, packing=packing, cells=1, degree=FINE
-    )
+    train = Train(diameter=diameter * 1e-6 / Scales().radius, packing=packing, cells=1, degree=FINE)
     try:
         return Attempt(diameter, packing, steady(train, start=start, estimate_error=False))
     except (NotConverged, CaseError) as error:

@@ -242,7 +242,9 @@ def streamlines(page: Page) -> None:
                 f"{found.axis_velocity:+.2e}",
                 len(found.stagnation_points),
                 f"{found.strength:.1e}",
-                f"{found.centre[0]:.2f}, {found.centre[1]:+.2f}",
+                "none"
+                if math.isnan(found.centre[0])
+                else f"{found.centre[0]:.2f}, {found.centre[1]:+.2f}",
             )
         )
     page.table(
