@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from celltrain import Base, CaseError, Stability
 from celltrain.diagnostics import disturbance_amplitude
 from celltrain.evolution import (
+    Disturbance,
     ForwardEuler,
     FromFile,
     Leading,
@@ -34,6 +35,7 @@ from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.interpolation import interpolated
 from celltrain.evolution.overlap import overlap
 from celltrain.evolution.radius import spectral_radius
+from celltrain.evolution.start import at_degree
 from celltrain.harmonics import azimuthal_basis
 from celltrain.stability import PaperNorm
 from celltrain.train import place_cells
@@ -148,10 +150,53 @@ def disturbed(dynamics: Dynamics, start: Stability, size: float) -> np.ndarray:
 
 def test_the_steady_train_is_at_rest_in_its_frame(dynamics: Dynamics) -> None:
     rates = dynamics.rates(np.asarray(dynamics.base))
-    assert dynamics.displacement(rates) < 1e-6
+    assert dynamics.displacement(rates) == 0.0
     assert dynamics.departure(np.asarray(dynamics.base)) == 0.0
     moved = dynamics.tube_rates(rates)[:, 2, 0] / DISTANCE
-    assert_allclose(moved, float(dynamics.cell_velocity), rtol=1e-6)
+    assert_allclose(moved, dynamics.cell_velocity, rtol=1e-14)
+    # What its frame takes with it is what the operator's rules leave.
+    left = dynamics.steady_rates - dynamics.tube_rates(np.zeros_like(rates))
+    assert 1e-9 < dynamics.displacement(left) < 1e-3
+
+
+def test_a_steady_train_stays_at_rest(coarse_base: Base) -> None:
+    change = np.zeros((3, 3, 36))
+    still = evolve(coarse_base, NoDisturbance(change), degree=6, until=5.0, every=5.0)
+    assert still.frames["eps"][-1] < 1e-10
+
+
+@dataclasses.dataclass(frozen=True)
+class NoDisturbance(Disturbance):
+    """A given change of the shapes."""
+
+    change: np.ndarray
+
+    def shapes(self, start: Base | Stability) -> np.ndarray:
+        return self.change
+
+
+def test_starts_of_another_degree_are_computed_at_the_simulations(
+    coarse_base: Base, coarse_stability: Stability
+) -> None:
+    assert at_degree(coarse_base, 6) is coarse_base
+    assert at_degree(coarse_stability, 6) is coarse_stability
+    case = coarse_base.train
+    found = at_degree(coarse_base, None)
+    assert isinstance(found, Base)
+    assert found.train == case.changed(degree=12)
+    assert found.residual < 1e-9
+    assert found.cell_velocity == pytest.approx(coarse_base.cell_velocity, rel=2e-2)
+    few = dataclasses.replace(coarse_stability, azimuthal_numbers=(0, 1))
+    for start, degree, numbers in (
+        (coarse_stability, 7, tuple(range(8))),
+        (few, 7, (0, 1)),
+        (case, None, tuple(range(7))),
+        (case.changed(degree=None), 7, tuple(range(8))),
+    ):
+        result = at_degree(start, degree)
+        assert isinstance(result, Stability)
+        assert result.azimuthal_numbers == numbers
+        assert result.base.train.degree == (6 if degree is None else degree)
 
 
 def test_order_of_the_chebyshev_method_on_a_train(single: Base) -> None:
@@ -312,7 +357,7 @@ def test_linear_prediction_of_a_mode_and_of_the_transient(coarse_stability: Stab
 
 
 def test_a_small_mode_grows_as_predicted(coarse_stability: Stability) -> None:
-    run = evolve(coarse_stability, Leading(1e-3), until=30.0, every=10.0)
+    run = evolve(coarse_stability, Leading(1e-3), degree=6, until=30.0, every=10.0)
     assert run.ending.kind == "complete"
     assert run.times.tolist() == [0.0, 10.0, 20.0, 30.0]
     eps = run.frames["eps"]
@@ -332,7 +377,7 @@ def test_a_small_mode_grows_as_predicted(coarse_stability: Stability) -> None:
 
 def test_any_small_disturbance_evolves_as_predicted(coarse_stability: Stability) -> None:
     # Random displacements hold m = 0 and both families of m = 1, and all wave numbers.
-    run = evolve(coarse_stability, RandomDisplacement(1e-3, seed=1), until=6.0, every=2.0)
+    run = evolve(coarse_stability, RandomDisplacement(1e-3, seed=1), degree=6, until=6.0, every=2.0)
     eps, linear = run.frames["eps"], run.frames["eps_linear"]
     assert_allclose(eps, linear, rtol=5e-3)
     assert np.abs(np.diff(linear)).min() > 1e-5
@@ -340,7 +385,7 @@ def test_any_small_disturbance_evolves_as_predicted(coarse_stability: Stability)
 
 def test_large_and_small_steps_agree(single: Base) -> None:
     runs = [
-        evolve(single, RandomDisplacement(0.5), until=1.0, every=1.0, integrator=method)
+        evolve(single, RandomDisplacement(0.5), degree=6, until=1.0, every=1.0, integrator=method)
         for method in (RungeKuttaChebyshev(tolerance=1e-3), ForwardEuler(0.0125))
     ]
     adaptive, euler = (run.disturbances[-1] for run in runs)

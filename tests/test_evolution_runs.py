@@ -68,7 +68,9 @@ def whole_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def whole(single: Base, whole_path: Path) -> Run:
     """Ten steps without a stop."""
-    run = evolve(single, DISTURBANCE, until=50.0, every=0.5, path=whole_path, most_steps=10)
+    run = evolve(
+        single, DISTURBANCE, degree=6, until=50.0, every=0.5, path=whole_path, most_steps=10
+    )
     assert run.ending.kind == "steps"
     assert run.state.steps == 10
     return run
@@ -76,7 +78,7 @@ def whole(single: Base, whole_path: Path) -> Run:
 
 def test_five_steps_and_five_more_are_ten(whole: Run, single, tmp_path: Path) -> None:
     path = tmp_path / "run.nc"
-    half = evolve(single, DISTURBANCE, until=50.0, every=0.5, path=path, most_steps=5)
+    half = evolve(single, DISTURBANCE, degree=6, until=50.0, every=0.5, path=path, most_steps=5)
     assert half.state.steps == 5
     assert_same(resume(path, most_steps=5), whole)
     assert [each.name for each in tmp_path.iterdir()] == ["run.nc"]
@@ -89,7 +91,9 @@ def test_an_interruption_keeps_all_until_then(whole: Run, single, tmp_path: Path
         if status.steps == 4:
             raise KeyboardInterrupt
 
-    run = evolve(single, DISTURBANCE, until=50.0, every=0.5, path=path, progress=interrupt)
+    run = evolve(
+        single, DISTURBANCE, degree=6, until=50.0, every=0.5, path=path, progress=interrupt
+    )
     assert run.ending.kind == "interrupted"
     assert run.state.steps == 4
     assert_same(Run.load(path), run)
@@ -102,7 +106,7 @@ def test_frames_do_not_change_steps_and_an_end_may_be_put_off(
     path = tmp_path / "run.nc"
     # An end within a step: what is beyond it is not kept, and not lost.
     end = 0.5 * (whole.history["time"][6] + whole.history["time"][7])
-    short = evolve(single, DISTURBANCE, until=end, every=5.0, path=path)
+    short = evolve(single, DISTURBANCE, degree=6, until=end, every=5.0, path=path)
     assert short.ending.kind == "complete"
     assert short.times.tolist() == [0.0, end]
     assert short.history["time"].tolist() == whole.history["time"][:7].tolist()
@@ -187,11 +191,11 @@ def test_results_that_are_no_simulations(single, tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="holds no simulation"):
         resume(path)
     with pytest.raises(CaseError, match="it exists"):
-        evolve(single, DISTURBANCE, until=1.0, path=path)
+        evolve(single, DISTURBANCE, degree=6, until=1.0, path=path)
     with pytest.raises(CaseError, match="until = -1"):
-        evolve(single, DISTURBANCE, until=-1.0)
+        evolve(single, DISTURBANCE, degree=6, until=-1.0)
     with pytest.raises(CaseError, match=r"into the wall at .*; a smaller amplitude"):
-        evolve(single, RandomDisplacement(9.0), until=1.0)
+        evolve(single, RandomDisplacement(9.0), degree=6, until=1.0)
 
 
 def test_a_full_disk_ends_a_run_with_the_last_file_left(
@@ -209,6 +213,7 @@ def test_a_full_disk_ends_a_run_with_the_last_file_left(
     run = evolve(
         single,
         DISTURBANCE,
+        degree=6,
         until=50.0,
         every=0.5,
         path=path,
@@ -229,7 +234,7 @@ def test_a_full_disk_ends_a_run_with_the_last_file_left(
 
 def test_reasons_to_stop(single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     strict = RungeKuttaChebyshev(tolerance=1e-30)
-    run = evolve(single, DISTURBANCE, until=1.0, integrator=strict)
+    run = evolve(single, DISTURBANCE, degree=6, until=1.0, integrator=strict)
     assert run.ending.kind == "step_too_small"
     assert run.times.tolist() == [0.0]
 
@@ -237,7 +242,7 @@ def test_reasons_to_stop(single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         # At the beginning and after two steps all is well; then even the shortest step is too long.
         met = chain([None] * 3, repeat("cell 0 and cell 1 overlap"))
         patched.setattr(march, "overlap", lambda train, shapes: next(met))
-        run = evolve(single, DISTURBANCE, until=1.0, path=tmp_path / "run.nc")
+        run = evolve(single, DISTURBANCE, degree=6, until=1.0, path=tmp_path / "run.nc")
     assert run.ending.kind == "overlap"
     assert "cell 0 and cell 1 overlap" in run.ending.message
     assert Run.load(tmp_path / "run.nc").state.steps == 3
@@ -246,10 +251,10 @@ def test_reasons_to_stop(single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     with monkeypatch.context() as patched:
         met = chain([None] * 2, ["cell 0 and cell 1 overlap"], repeat(None))
         patched.setattr(march, "overlap", lambda train, shapes: next(met))
-        again = evolve(single, DISTURBANCE, until=1.0, most_steps=3)
+        again = evolve(single, DISTURBANCE, degree=6, until=1.0, most_steps=3)
     assert again.ending.kind == "steps"
     assert again.state.rejected == 1
-    whole = evolve(single, DISTURBANCE, until=1.0, most_steps=3)
+    whole = evolve(single, DISTURBANCE, degree=6, until=1.0, most_steps=3)
     assert again.history["size"][2] == pytest.approx(0.25 * whole.history["size"][2])
 
     rates, left = Dynamics.rates, [30]
@@ -261,7 +266,7 @@ def test_reasons_to_stop(single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(Dynamics, "rates", broken)
     for method in (RungeKuttaChebyshev(), ForwardEuler(0.01)):
         left[0] = 30
-        run = evolve(single, DISTURBANCE, until=1.0, every=9.0, integrator=method)
+        run = evolve(single, DISTURBANCE, degree=6, until=1.0, every=9.0, integrator=method)
         assert run.ending.kind == "not_finite"
         assert run.state.steps > 0
         assert np.isfinite(run.state.shapes).all()
@@ -275,7 +280,7 @@ from celltrain.evolution import ForwardEuler, RandomDisplacement, evolve, resume
 start, path, first = sys.argv[1:]
 if first == "first":
     evolve(
-        celltrain.load(start), RandomDisplacement(0.2, seed=2), until=0.6, every=0.05,
+        celltrain.load(start), RandomDisplacement(0.2, seed=2), degree=6, until=0.6, every=0.05,
         integrator=ForwardEuler(0.01), path=path, save_seconds=0.0,
     )
 else:
@@ -313,6 +318,7 @@ def test_kill_at_any_moment_leaves_a_file_to_go_on_with(single, tmp_path: Path) 
     straight = evolve(
         single,
         DISTURBANCE,
+        degree=6,
         until=0.6,
         every=0.05,
         integrator=ForwardEuler(0.01),
@@ -337,8 +343,9 @@ def test_leftovers_of_dead_processes_are_removed(tmp_path: Path) -> None:
 def test_the_command_simulates_and_goes_on(coarse_stability, tmp_path: Path, capsys) -> None:
     start, path = tmp_path / "start.nc", tmp_path / "run.nc"
     save(coarse_stability, start)
-    arguments = ["evolve", str(start), "--disturbance", "random:2", "--amplitude", "0.2"]
-    arguments += ["--until", "0.3", "--every", "0.1", "-o", str(path), "--json", "--quiet"]
+    arguments = ["evolve", str(start), "--degree", "6", "--disturbance", "random:2"]
+    arguments += ["--amplitude", "0.2", "--until", "0.3", "--every", "0.1"]
+    arguments += ["-o", str(path), "--json", "--quiet"]
     assert main(arguments) == 0
     printed = capsys.readouterr()
     summary = json.loads(printed.out)
@@ -366,7 +373,8 @@ def test_exit_statuses_of_the_command(
 ) -> None:
     start, path = tmp_path / "start.nc", tmp_path / "run.nc"
     save(coarse_stability, start)
-    common = ["evolve", str(start), "-o", str(path), "--quiet", "--disturbance", "leading"]
+    common = ["evolve", str(start), "--degree", "6", "-o", str(path), "--quiet"]
+    common += ["--disturbance", "leading"]
     assert main([*common, "--until", "1", "--step-tolerance", "1e-30"]) == 3
     assert "needs steps below" in capsys.readouterr().err
 

@@ -283,7 +283,7 @@ def test_a_steady_train_within_the_range_is_refused(close: Base) -> None:
     # Bullets nest in each other at this packing.
     crowded = dataclasses.replace(close, train=close.train.changed(packing=0.92))
     with pytest.raises(CaseError, match=r"repulsion range = 0\.2 .* has a gap of"):
-        evolve(crowded, RandomDisplacement(1e-3), until=1.0, repulsion=Repulsion(0.2))
+        evolve(crowded, RandomDisplacement(1e-3), degree=6, until=1.0, repulsion=Repulsion(0.2))
 
 
 def test_a_long_euler_step_across_a_film_is_an_overlap(close: Base, dynamics: Dynamics) -> None:
@@ -300,7 +300,16 @@ def test_the_command_takes_and_reports_the_repulsion(
 ) -> None:
     start, path = tmp_path / "start.nc", tmp_path / "run.nc"
     save(close, start)
-    arguments = ["evolve", str(start), "--disturbance", "random", "--amplitude", "0.01"]
+    arguments = [
+        "evolve",
+        str(start),
+        "--degree",
+        "6",
+        "--disturbance",
+        "random",
+        "--amplitude",
+        "0.01",
+    ]
     arguments += ["--until", "0.02", "-o", str(path), "--quiet", "--json"]
     assert main([*arguments, "--repulsion-range", "0.5"]) == 2
     assert "repulsion range = 0.5 is not allowed" in capsys.readouterr().err

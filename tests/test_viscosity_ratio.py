@@ -1,6 +1,7 @@
 """Cells of another viscosity than the plasma's: limits, identities, derivatives."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import equinox as eqx
 import jax
@@ -13,6 +14,7 @@ from celltrain import Train
 from celltrain.harmonics import azimuthal_basis
 from celltrain.stability import linear_blocks
 from celltrain.steady import Base, steady
+from celltrain.steady.problem import SteadyProblem
 from celltrain.train import TrainOperator, place_cells, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2
@@ -133,20 +135,25 @@ def test_steady_train_does_not_depend_on_the_ratio(viscous_base: Base, coarse_ba
     operator = train_operator(viscous_base.train, cells=2)
     found = rates(operator, shapes)
     found = np.asarray(found.at[:, 2, 0].add(-viscous_base.cell_velocity * np.sqrt(4 * np.pi)))
-    assert_allclose(found, 0.0, atol=1e-6)
+    # By its own rules, which are coarse; the same as for cells of the plasma's viscosity.
+    assert_allclose(found, 0.0, atol=1e-3)
 
 
 def test_blocks_are_the_derivative_of_the_rates(viscous_base: Base) -> None:
-    """The blocks, which never differentiate the double layer, against the solved equation."""
-    train, shape = viscous_base.train, viscous_base.coefficients
+    """The meridian's blocks, which never differentiate the double layer, beside the equation's."""
+    shape = viscous_base.coefficients
+    finer = {"source_order": 22, "polar_radial": 38, "polar_azimuthal": 46}
+    train = viscous_base.train.changed(**finer)
     shapes = jnp.asarray(place_cells(shape, train, 2))
-    operator = train_operator(train, cells=2)
+    operator = train_operator(train, cells=2, close=False)
 
     @eqx.filter_jit
     def change(operator: TrainOperator, step: jax.Array) -> jax.Array:
         return jax.jvp(operator.rates, (shapes,), (step,))[1]
 
-    blocks = linear_blocks(train, shape, np.array([0.0, np.pi]), [0, 1, 2])
+    rules = SteadyProblem(train).rules(viscous_base.profile)
+    rules = replace(rules, radial=40, half_circle=25)
+    blocks = linear_blocks(viscous_base, [0.0, np.pi], [0, 1, 2], rules=rules)
     for m, wave, column in ((0, 1, 3), (1, 0, 5), (1, 1, 14), (2, 1, 2)):
         basis = azimuthal_basis(train.degree, m)
         sign = np.array([1.0, -1.0 if wave else 1.0])[:, None, None]

@@ -66,7 +66,7 @@ def moved_to(distance: float, base: Base, path: Path) -> FromFile:
 def test_a_cell_near_the_wall_refines_it(single: Base, tmp_path: Path) -> None:
     disturbance = moved_to(0.35, single, tmp_path / "moved.npy")
     path = tmp_path / "run.nc"
-    run = evolve(single, disturbance, until=1.0, most_steps=1, path=path)
+    run = evolve(single, disturbance, degree=6, until=1.0, most_steps=1, path=path)
     assert run.state.wall_gap == 0.2
     assert run.frames["wall_distance"][0] == pytest.approx(0.35, abs=0.02)
     assert resume(path, most_steps=1).state.wall_gap == 0.2
@@ -82,4 +82,4 @@ def test_a_cell_near_the_wall_refines_it(single: Base, tmp_path: Path) -> None:
 
 def test_a_disturbance_that_touches_the_wall_is_refused(single: Base, tmp_path: Path) -> None:
     with pytest.raises((CaseError, StepFailed), match="wall"):
-        evolve(single, moved_to(0.05, single, tmp_path / "moved.npy"), until=1.0)
+        evolve(single, moved_to(0.05, single, tmp_path / "moved.npy"), degree=6, until=1.0)

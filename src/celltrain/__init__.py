@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from celltrain.results.summary import summary
     from celltrain.stability import Mode, Stability, stability
     from celltrain.steady import Base, NotConverged, steady
-    from celltrain.train import fluid_velocity
+    from celltrain.train.fluid_velocity import fluid_velocity
 
 __version__ = "0.1.0"
 

@@ -21,10 +21,10 @@ alpha_m(q).
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.optimize
-import xarray as xr
+import scipy  # loads its parts when they are used
 from jaxtyping import Complex, Float
 
 from celltrain.parameters import CaseError, Train
@@ -44,6 +44,9 @@ from celltrain.steady import Base
 from celltrain.steady.base import IterationProgress
 from celltrain.steady.degree import Convergence
 from celltrain.steady.solve import with_velocity_error
+
+if TYPE_CHECKING:
+    import xarray
 
 SAMPLES = 17
 #: Smallest phase but 0 for which the dynamics is accurate.
@@ -104,8 +107,10 @@ class InfiniteTrain:
         """Imaginary part of the leading eigenvalue of A_m(q); the phase moves at -this/q."""
         return np.array([mode.frequency for mode in self.leading[m]])
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_dataset(self) -> "xarray.Dataset":
         """Curves and optimum as a data set with units, ready for netCDF."""
+        import xarray as xr
+
         numbers = self.azimuthal_numbers
         dims = ("azimuthal", "phase")
         best = self.most_unstable

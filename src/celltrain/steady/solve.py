@@ -1,36 +1,29 @@
 """Steady trains: from rest, from another train, or by a detour through easier ones.
 
-The branch is the one that the flow reaches from rest (`iterate.march`). Where the cell at rest has
-no room, or the march leads nowhere, the same branch is followed from a case that is easier: a wider
-tube, with more room between the cells (`path.follow`).
+The branch is the one that the flow reaches from rest; `ways` has the ways to it.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from celltrain.clock import timed
-from celltrain.harmonics import Profile, coefficients_of
-from celltrain.meridian.geometry import largest_radius, size_at_rest, streamwise_gap
+from celltrain.harmonics import coefficients_of, profile_of
+from celltrain.meridian.geometry import largest_radius, streamwise_gap
 from celltrain.parameters import Train
 from celltrain.steady.base import Base, IterationProgress, NotConverged
-from celltrain.steady.degree import DEGREES, raised
-from celltrain.steady.iterate import ROUNDING, Iterated, march, newton
-from celltrain.steady.path import Followed, change_degree, follow
+from celltrain.steady.degree import raised
+from celltrain.steady.iterate import Iterated, newton
+from celltrain.steady.path import Followed
 from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.room import check_room
+from celltrain.steady.ways import Ways, describe_change
 
 TOLERANCE = 1e-9
 MOST_ITERATIONS = 400
-#: The march from rest is of this degree at most; higher degrees follow from it.
-MARCH_DEGREE = 12
 #: How well the cells' velocity is known, in U, where the degree is left open.
 KNOWN_VELOCITY = 1e-4
-# Where a detour begins: a tube and a period, relative to the cell at rest, that make it easy.
-EASY_DIAMETER, EASY_PERIOD = 1.5, 2.0
-# Points of smooth sources beyond which a detour comes first.
-CROWDED = 200
 # What is reported of the velocity's error over the largest difference found.
 MARGIN = 1.5
 
@@ -67,12 +60,11 @@ def steady(
     seconds: dict[str, float] = {}
     with timed(seconds, "base"):
         check_room(train)
-        search = _Search(tolerance, max_iterations, progress)
+        ways = Ways(tolerance, max_iterations, progress)
         if start is None:
-            followed, origin = search.from_rest(train)
+            followed, origin = ways.from_rest(train)
         else:
-            followed = search.from_train(start, train)
-            origin = f"continuation from {describe_change(start.train, train)}"
+            followed, origin = ways.from_train(start.train, start.profile, train)
         base = describe(followed.problem, followed.iterated, origin)
     base = replace(base, seconds=seconds)
     if not followed.complete:
@@ -108,146 +100,6 @@ def _at_enough_degrees(
 
     raised(velocity, lambda found: found.left <= KNOWN_VELOCITY)
     return bases[-1]
-
-
-@dataclass
-class _Search:
-    """The ways to a train, and how many iterations they have left."""
-
-    tolerance: float
-    left: int
-    progress: IterationProgress | None
-
-    def _counted(self, followed: Followed) -> Followed:
-        self.left -= len(followed.iterated.history)
-        return followed
-
-    def from_rest(self, train: Train) -> tuple[Followed, str]:
-        """By the march, or a detour; then to the degree."""
-        low = train.changed(degree=min(train.degree, MARCH_DEGREE), **_no_sizes(train))
-        origin = "march from the resting shape"
-        easy = easier(low)
-        marched = None if easy is not None and crowded(low) else self._march(low)
-        if easy is not None and (marched is None or not marched.complete):
-            begun = self._march(easy)
-            if begun.complete:
-                origin = f"march from the resting shape with {describe_change(easy, low)}"
-                profile = begun.iterated.state.profile
-                marched = _joined(begun, self._follow(easy, profile, low, first=0.125))
-        if marched is None:
-            marched = self._march(low)
-        if not marched.complete or low == train:
-            return marched, origin
-        return _joined(marched, self._to_degree(low, marched.iterated.state.profile, train)), origin
-
-    def from_train(self, start: Base, train: Train) -> Followed:
-        """Along a path of parameters at the start's degree, then to another degree."""
-        same = train.changed(degree=start.train.degree, **_no_sizes(train))
-        if start.train.degree == train.degree:
-            same = train
-        begun: Followed | None = None
-        profile = start.profile
-        if start.residual > max(ROUNDING, self.tolerance):
-            # A march that was cut short goes on.
-            begun = self._march(start.train, profile)
-            if not begun.complete or start.train == train:
-                return begun
-            profile = begun.iterated.state.profile
-        followed = begun
-        if same == train or not _alike(start.train, same):
-            followed = _joined(begun, self._follow(start.train, profile, same))
-            if not followed.complete or same == train:
-                return followed
-            profile = followed.iterated.state.profile
-        return _joined(followed, self._to_degree(same, profile, train))
-
-    def _march(self, train: Train, profile: Profile | None = None) -> Followed:
-        """From a shape, that at rest if none is given."""
-        problem = SteadyProblem(train)
-        found = march(
-            problem,
-            problem.rest if profile is None else profile,
-            tolerance=self.tolerance,
-            most=self.left,
-            progress=self.progress,
-        )
-        return self._counted(Followed(problem, found, found.steady))
-
-    def _follow(self, begin: Train, profile: Profile, end: Train, first: float = 1.0) -> Followed:
-        return self._counted(
-            follow(
-                begin,
-                profile,
-                end,
-                tolerance=self.tolerance,
-                most=self.left,
-                first=first,
-                progress=self.progress,
-            )
-        )
-
-    def _to_degree(self, train: Train, profile: Profile, end: Train) -> Followed:
-        """At once if that leads there, otherwise through the degrees between."""
-        followed = self._corrected(end, profile, train)
-        if followed.complete:
-            return followed
-        here, step = profile, train
-        for degree in [d for d in DEGREES if train.degree < d < end.degree] + [end.degree]:
-            following = end if degree == end.degree else train.changed(degree=degree)
-            followed = _joined(followed, self._corrected(following, here, step))
-            if not followed.complete:
-                break
-            here, step = followed.iterated.state.profile, following
-        return followed
-
-    def _corrected(self, train: Train, profile: Profile, before: Train) -> Followed:
-        problem = SteadyProblem(train)
-        moved = problem.rest - change_degree(SteadyProblem(before).rest, problem.degree)
-        guess = change_degree(profile, problem.degree) + moved
-        found = newton(
-            problem, guess, tolerance=self.tolerance, most=self.left, progress=self.progress
-        )
-        return self._counted(Followed(problem, found, found.steady))
-
-
-def _no_sizes(train: Train) -> dict[str, None]:
-    """Sizes given for one degree are left out at another."""
-    names = ("energy_order", "source_order", "target_order", "polar_radial", "polar_azimuthal")
-    return dict.fromkeys(names)
-
-
-def _alike(one: Train, other: Train) -> bool:
-    """Whether two cases have the same steady train."""
-    still = {"cells": 1, "viscosity_ratio": 1.0}
-    return one.changed(**still).leaves() == other.changed(**still).leaves()
-
-
-def _joined(first: Followed | None, then: Followed) -> Followed:
-    """The end of two ways, one after the other, with the history of both."""
-    if first is None:
-        return then
-    history = (*first.iterated.history, *then.iterated.history)
-    return replace(then, iterated=replace(then.iterated, history=history))
-
-
-def easier(train: Train) -> Train | None:
-    """A case in which the cell at rest has room; None if the case itself gives it that."""
-    diameter, thickness = size_at_rest(SteadyProblem(train).rest)
-    wide = max(train.tube.diameter, EASY_DIAMETER * diameter)
-    sparse = min(train.packing, 1.0 / (EASY_PERIOD * max(thickness, 1.0)))
-    if wide == train.tube.diameter and sparse == train.packing:
-        return None
-    return train.changed(diameter=wide, packing=sparse)
-
-
-def crowded(train: Train) -> bool:
-    """Whether cells at rest are so close to each other or the wall that a march from there is slow.
-
-    It hardly ever leads anywhere either.
-    """
-    problem = SteadyProblem(train)
-    rules = problem.rules(problem.rest)
-    return not problem.fits(problem.rest) or max(rules.sources, rules.image_sources) > CROWDED
 
 
 def with_velocity_error(base: Base) -> Base:
@@ -293,9 +145,12 @@ def describe(problem: SteadyProblem, iterated: Iterated, origin: str) -> Base:
     state, train = iterated.state, problem.train
     profile = state.profile.copy()
     profile[0, 0] = 0.0
+    coefficients = coefficients_of(profile)
+    # As the result will give it again, to the last bit.
+    profile = profile_of(coefficients)
     return Base(
         train=train,
-        coefficients=coefficients_of(profile),
+        coefficients=coefficients,
         cell_velocity=state.cell_velocity,
         gap=streamwise_gap(profile, train.period),
         largest_radius=largest_radius(profile),
@@ -323,14 +178,3 @@ def _complaint(train: Train, followed: Followed, tolerance: float, most: int) ->
         f"no steady train: {reason} (iteration {len(iterated.history)}, residual"
         f" {iterated.state.residual:.2e} U, wanted {tolerance:.0e} U){reached}"
     )
-
-
-def describe_change(old: Train, new: Train) -> str:
-    """The leaves in which two trains differ, with the old values: "packing = 0.2"."""
-    before, after = old.leaves(), new.leaves()
-    changes = [
-        f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"
-        for name, value in before.items()
-        if after[name] != value
-    ]
-    return ", ".join(changes) or "the same case"
