@@ -46,9 +46,7 @@ def test_the_report_says_what_each_degree_gives(left_open: Stability) -> None:
     degree = left_open.base.train.degree
     assert f"M = {degree}" in text
     assert f"degree {degree}; alpha at each degree: " in text
-    for each, rate in zip(
-        left_open.convergence.degrees, left_open.convergence.values, strict=True
-    ):
+    for each, rate in zip(left_open.convergence.degrees, left_open.convergence.values, strict=True):
         assert f"{rate:.5f} ({each})" in text
     content = summary(left_open)
     assert content["degree"] == degree
@@ -74,7 +72,7 @@ def test_the_accuracy_is_an_option_of_the_command(capsys) -> None:
         found[accuracy] = json.loads(capsys.readouterr().out)
     low, high = found["0.1"], found["0.01"]
     assert low["degree"] < high["degree"]
-    assert low["convergence"]["degrees"] == high["convergence"]["degrees"][: -1]
+    assert low["convergence"]["degrees"] == high["convergence"]["degrees"][:-1]
     for accuracy, each in found.items():
         assert each["error_estimate"] <= float(accuracy) * each["spectral_abscissa"]
         assert each["case"]["resolution"]["degree"] == each["degree"]
