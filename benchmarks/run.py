@@ -1,33 +1,33 @@
-"""What the parts cost: seconds and peak memory, beside what they may cost.
+"""What the parts cost: seconds and peak memory, beside what they may take and took before.
 
 The case is the one of `make demo`: diameter 6, packing 0.2, eight cells, degree 12. Every stage
-runs in a process of its own, with JAX's compilation cache as it is; what the first call takes
-beyond the others stands apart. The whole command is measured from outside, after one run that fills
-the cache. Each measurement becomes a line of results.csv beside this script.
+runs in a process of its own, with what is compiled kept as it is; what the first call takes beyond
+the others stands apart. Whole commands are measured from outside, after one run that fills the
+caches, or with empty ones. Each measurement becomes a line of results.csv beside this script. The
+paper's maps are left out unless asked for.
 
-    python benchmarks/run.py [--quick] [--only NAME ...]
+    python benchmarks/run.py [--quick] [--maps] [--only NAME ...]
 
-Run time. About seven minutes on two cores, with --quick about four, with nothing else to do.
+Run time. About five minutes on two cores, with --quick about three, with --maps five more, with
+nothing else to do.
 """
 
 import argparse
 import csv
 import json
+import math
 import os
-import statistics
 import subprocess
 import sys
-import tempfile
-import time
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from commands import COMMANDS, measure_command
+from measuring import HERE, describe_version, processor
 from rich.console import Console
 from rich.table import Table
 
-HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results.csv"
 COLUMNS = (
     "date",
@@ -40,39 +40,85 @@ COLUMNS = (
     "peak_mib",
     "runs",
 )
-CASE = ["--diameter", "6", "--packing", "0.2", "--cells", "8", "--degree", "12"]
-COMMAND = ["stability", *CASE, "--json"]
+# What a whole command, or a stage without JAX, may take, MiB.
+MEMORY = 500.0
 
 
 @dataclass(frozen=True)
 class Case:
-    """One thing measured; seconds that it may take, and that it took elsewhere."""
+    """One thing measured; seconds and MiB that it may take, and what it took before.
+
+    `stages` is the script that has it as a stage; whole commands have none. A map is measured only
+    if it is asked for.
+    """
 
     name: str
     description: str
     runs: int
-    target: float | None = None
-    target_mib: float | None = None
-    prototype: float | None = None
+    bound: float | None = None
+    former: str = ""
+    bound_mib: float | None = None
+    stages: str | None = None
+    is_map: bool = False
+
+
+def _command(
+    name: str, description: str, runs: int, bound: float | None = None, former: str = ""
+) -> Case:
+    return Case(name, description, runs, bound, former, MEMORY)
+
+
+def _map(name: str, description: str, bound: float, former: str = "") -> Case:
+    return Case(name, description, 1, bound, former, is_map=True)
+
+
+def _meridian(
+    name: str, description: str, runs: int, bound: float | None = None, former: str = ""
+) -> Case:
+    return Case(name, description, runs, bound, former, MEMORY, "meridian_stages.py")
+
+
+def _operator(
+    name: str,
+    description: str,
+    runs: int,
+    former: str,
+    bound: float | None = None,
+    bound_mib: float | None = None,
+) -> Case:
+    return Case(name, description, runs, bound, former, bound_mib, "operator_stages.py")
 
 
 CASES = (
-    Case("evaluation", "one velocity evaluation", 7, 0.25, 2048, 1.1),
-    Case("evaluation.forces", "  membrane forces", 7),
-    Case("evaluation.own_surface", "  own surfaces", 7),
-    Case("evaluation.far_analyse", "  far sum, to modes", 7),
-    Case("evaluation.far_synthesise", "  far sum, to points", 7),
-    Case("evaluation.near_wall", "  near sum on the wall", 7),
-    Case("evaluation.near_cells", "  near sum on the cells", 7),
-    Case("evaluation.wall_flow", "  flow from the wall", 7),
-    Case("viscous", "the same at viscosity ratio 5", 5, 1.0),
-    Case("dense.ordinary", "packing 0.7, off the axis, no close rule", 5),
-    Case("dense.close", "  with it", 5),
-    Case("base", "steady train from rest", 3, 10.0, None, 40.0),
-    Case("blocks", "all blocks A_m(q)", 3, 15.0, None, 59.0),
-    Case("spectrum", "spectra, numerical abscissas", 3),
-    Case("infinite", "infinite train: 17 phases, m = 0 to 3", 3, 60.0),
-    Case("command", "the whole command", 3, 45.0),
+    _command("command", "celltrain stability, degree 12", 5, 2.0, "38"),
+    _command("command.accurate", "  to an accuracy of 1 %", 5, 4.0),
+    _command("command.empty", "  degree 12, nothing compiled", 2, 15.0, "110"),
+    _command("command.infinite", "  --infinite, degree 12", 5),
+    _command("command.help", "celltrain --help", 5, 0.5),
+    _meridian("base", "steady train from rest", 5, None, "4.9"),
+    _meridian("base.24", "  degree 24", 3),
+    _meridian("newton", "one of Newton's iterations", 7),
+    _meridian("newton.24", "  degree 24", 7),
+    _meridian("blocks", "all blocks A_m(q)", 7, 0.1, "4.2; paper 5 h"),
+    _meridian("blocks.24", "  degree 24", 5, 0.3),
+    _meridian("blocks.48", "  degree 48", 3),
+    _meridian("blocks.viscous", "  viscosity ratio 5", 7, 0.5),
+    _meridian("spectrum", "spectra, numerical abscissas", 7, None, "0.13"),
+    _meridian("spectrum.24", "  degree 24", 5),
+    _meridian("infinite", "infinite train: 17 phases, m = 0 to 3", 5, 0.5, "17"),
+    _operator("evaluation", "one velocity evaluation", 7, "0.18", 0.25, 2048.0),
+    _operator("evaluation.forces", "  membrane forces", 7, "0.006"),
+    _operator("evaluation.own_surface", "  own surfaces", 7, "0.051"),
+    _operator("evaluation.far_analyse", "  far sum, to modes", 7, "0.030"),
+    _operator("evaluation.far_synthesise", "  far sum, to points", 7, "0.024"),
+    _operator("evaluation.near_wall", "  near sum on the wall", 7, "0.025"),
+    _operator("evaluation.near_cells", "  near sum on the cells", 7, "0.001"),
+    _operator("evaluation.wall_flow", "  flow from the wall", 7, "0.026"),
+    _operator("viscous", "the same at viscosity ratio 5", 5, "1.2", 1.0),
+    _operator("dense.ordinary", "packing 0.7, off the axis, no close rule", 5, "0.17"),
+    _operator("dense.close", "  with it", 5, "0.16"),
+    _map("map", "celltrain paper fig6: 77 trains, degree 12", 60.0, "174 min"),
+    _map("map.accurate", "  each to its own degree", 240.0),
 )
 
 # Stages whose times are compared: what for, with it and without it, at most how much.
@@ -82,10 +128,10 @@ RATIOS = (
 )
 
 
-def measure_stage(case: Case, runs: int) -> dict[str, float]:
+def measure_stage(case: Case, stages: Path, runs: int) -> dict[str, float]:
     """Run a stage in a process of its own."""
     finished = subprocess.run(
-        [sys.executable, str(HERE / "stages.py"), case.name, str(runs)],
+        [sys.executable, str(stages), case.name, str(runs)],
         capture_output=True,
         text=True,
         check=False,
@@ -99,54 +145,11 @@ def measure_stage(case: Case, runs: int) -> dict[str, float]:
     return measured
 
 
-def measure_command(runs: int) -> dict[str, float]:
-    """Run the whole command, once to fill the cache and `runs` times more."""
-    program = f"import sys; from celltrain.cli import main; sys.exit(main({COMMAND!r}))"
-    seconds, peaks = [], []
-    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
-        for _ in range(runs + 1):
-            begin = time.perf_counter()
-            process = subprocess.Popen(
-                [sys.executable, "-c", program], stdout=output, stderr=errors
-            )
-            _, status, usage = os.wait4(process.pid, 0)
-            seconds.append(time.perf_counter() - begin)
-            process.returncode = os.waitstatus_to_exitcode(status)
-            if process.returncode:
-                errors.seek(0)
-                raise SystemExit(f"the command failed:\n{errors.read().decode()}")
-            peaks.append(usage.ru_maxrss / 1024.0)
-    median = statistics.median(seconds[1:])
-    return {
-        "seconds": median,
-        "first_seconds": max(seconds[0] - median, 0.0),
-        "peak_mib": max(peaks),
-    }
-
-
-def describe_version() -> str:
-    """The commit, or the package's version outside a repository."""
-    described = subprocess.run(
-        ["git", "describe", "--always", "--dirty", "--tags"],
-        cwd=HERE,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if described.returncode == 0:
-        return described.stdout.strip()
-    try:
-        return version("celltrain")
-    except PackageNotFoundError:
-        return "unknown"
-
-
-def processor() -> str:
-    """Name of the processor."""
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return "unknown"
+def measure(case: Case, runs: int) -> dict[str, float]:
+    """Seconds, what the first call took beyond that (maybe not a number), and MiB."""
+    if case.stages is None:
+        return measure_command(COMMANDS[case.name], runs)
+    return measure_stage(case, HERE / case.stages, runs)
 
 
 def record(case: Case, measured: dict[str, float], runs: int) -> None:
@@ -158,7 +161,7 @@ def record(case: Case, measured: dict[str, float], runs: int) -> None:
         "cores": len(os.sched_getaffinity(0)),
         "case": case.name,
         "seconds": f"{measured['seconds']:.4g}",
-        "first_seconds": f"{measured['first_seconds']:.3g}",
+        "first_seconds": _or_nothing(measured["first_seconds"], ".3g"),
         "peak_mib": f"{measured['peak_mib']:.0f}",
         "runs": runs,
     }
@@ -171,22 +174,28 @@ def record(case: Case, measured: dict[str, float], runs: int) -> None:
 
 
 def report(measurements: list[tuple[Case, dict[str, float]]]) -> Table:
-    """All measurements beside the targets."""
-    table = Table(title="D = 6 r0, packing 0.2, N = 8, M = 12", title_justify="left")
-    table.caption = "prototype: its untuned predecessor; the paper: 5 hours for A with N = 8"
+    """All measurements beside what they may take."""
+    table = Table(
+        title="D = 6 r0, packing 0.2, N = 8, M = 12 unless said otherwise", title_justify="left"
+    )
+    table.caption = (
+        "before: with one operator for cells of any shape, where the command took 1.5 GiB;"
+        " first +: the first call beyond the others"
+    )
     table.add_column("what", no_wrap=True)
-    for column in ("s", "target", "prototype", "first +", "MiB"):
+    for column in ("s", "may take", "before", "first +", "MiB", "may take"):
         table.add_column(column, justify="right", no_wrap=True)
     for case, measured in measurements:
-        missed = case.target is not None and measured["seconds"] > case.target
-        large = case.target_mib is not None and measured["peak_mib"] > case.target_mib
+        missed = case.bound is not None and measured["seconds"] > case.bound
+        large = case.bound_mib is not None and measured["peak_mib"] > case.bound_mib
         table.add_row(
             case.description,
             _colored(f"{measured['seconds']:.3g}", missed),
-            "" if case.target is None else f"{case.target:g}",
-            "" if case.prototype is None else f"{case.prototype:g}",
-            f"{measured['first_seconds']:.1f}",
+            "" if case.bound is None else f"{case.bound:g}",
+            case.former,
+            _or_nothing(measured["first_seconds"], ".1f"),
             _colored(f"{measured['peak_mib']:.0f}", large),
+            "" if case.bound_mib is None else f"{case.bound_mib:g}",
         )
     return table
 
@@ -195,10 +204,14 @@ def ratios(measurements: list[tuple[Case, dict[str, float]]]) -> list[str]:
     """What the viscosity ratio and the close rule cost, of those that were measured."""
     seconds = {case.name: measured["seconds"] for case, measured in measurements}
     return [
-        f"{name}: {seconds[with_it] / seconds[without]:.2g} times as much (aim: {aim:g})"
-        for name, with_it, without, aim in RATIOS
+        f"{name}: {seconds[with_it] / seconds[without]:.2g} times as much (may take: {most:g})"
+        for name, with_it, without, most in RATIOS
         if {with_it, without} <= set(seconds)
     ]
+
+
+def _or_nothing(number: float, form: str) -> str:
+    return "" if math.isnan(number) else format(number, form)
 
 
 def _colored(text: str, bad: bool) -> str:
@@ -208,17 +221,20 @@ def _colored(text: str, bad: bool) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description="What the parts of celltrain cost.")
     parser.add_argument("--quick", action="store_true", help="fewer runs; nothing is recorded")
+    parser.add_argument("--maps", action="store_true", help="the paper's maps, too: minutes each")
     parser.add_argument("--only", nargs="+", metavar="NAME", choices=[case.name for case in CASES])
     options = parser.parse_args()
-    chosen = [case for case in CASES if not options.only or case.name in options.only]
+    chosen = [
+        case
+        for case in CASES
+        if (case.name in options.only if options.only else options.maps or not case.is_map)
+    ]
     errors = Console(stderr=True)
     measurements = []
     for number, case in enumerate(chosen, 1):
         runs = 1 if options.quick else case.runs
         with errors.status(f"{number}/{len(chosen)} {case.name}"):
-            measured = (
-                measure_command(runs) if case.name == "command" else measure_stage(case, runs)
-            )
+            measured = measure(case, runs)
         measurements.append((case, measured))
         if not options.quick:
             record(case, measured, runs)
@@ -226,7 +242,7 @@ def main() -> None:
             errors.print(f"{number}/{len(chosen)} {case.name}: {measured['seconds']:.3g} s")
     # Not cut to the 80 columns of a log.
     output = Console()
-    output = output if output.is_terminal else Console(width=110)
+    output = output if output.is_terminal else Console(width=120)
     output.print(report(measurements))
     for line in ratios(measurements):
         output.print(line, highlight=False)

@@ -7,7 +7,7 @@ Scaling. Lengths in r0, velocities in U, rates in U/r0; tube of diameter 6, eigh
 
 Reference. Bryngelson and Freund, Phys. Rev. Fluids 3, 073101 (2018), Figs. 5 and 6.
 
-Run time. About ten minutes on two cores.
+Run time. About ten seconds on two cores.
 
 Command. ``python examples/continuation.py``; the table goes to standard output. Interrupted, it has
 printed what it found.

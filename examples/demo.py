@@ -38,7 +38,6 @@ from celltrain import (
     print_report,
     save,
     stability,
-    steady,
 )
 from celltrain.cli.progress import Reporter
 from celltrain.evolution import Leading
@@ -58,8 +57,13 @@ def compute(train: Train, start: Base | None, errors: Console) -> Stability:
     """The steady train and its stability, with progress on standard error."""
     with Reporter(errors, quiet=False) as reporter:
         reporter.log(f"packing {train.packing:g}: steady train, then its linear dynamics")
-        base = steady(train, start=start, progress=reporter.iteration)
-        return stability(base, progress=reporter.share)
+        return stability(
+            train,
+            start=start,
+            progress=reporter.share,
+            iteration=reporter.iteration,
+            tell=reporter.log,
+        )
 
 
 def keep(result: Stability, folder: Path, errors: Console) -> list[Path]:
@@ -74,10 +78,7 @@ def simulate(path: Path, errors: Console) -> Run:
     """A disturbed train in time, in a file that is whole at every moment."""
     with Reporter(errors, quiet=False) as reporter:
         reporter.log(f"simulation of {SIMULATED.cells} cells: steady train, linear dynamics, march")
-        base = steady(SIMULATED, estimate_error=False, progress=reporter.iteration)
-        start = stability(
-            base, azimuthal_numbers=(0, 1, 2), estimate_error=False, progress=reporter.share
-        )
+        start = stability(SIMULATED, azimuthal_numbers=(0, 1, 2), estimate_error=False)
     path.parent.mkdir(parents=True, exist_ok=True)
     with SimulationReporter(errors, quiet=False) as progress:
         return evolve(
@@ -128,8 +129,9 @@ def _beside_theory(run: Run) -> str:
 
 def main(folder: Path = Path("out/demo")) -> None:
     errors, output = Console(stderr=True), Console()
-    sparse = compute(Train(diameter=6, packing=0.2, cells=8, degree=12), None, errors)
-    dense = compute(sparse.base.train.changed(packing=0.5), sparse.base, errors)
+    train = Train(diameter=6, packing=0.2, cells=8)
+    sparse = compute(train, None, errors)
+    dense = compute(train.changed(packing=0.5), sparse.base, errors)
     simulation = folder / "simulation"
     run = simulate(simulation / "run.nc", errors)
     for result in (sparse, dense):

@@ -10,7 +10,7 @@ Scaling. Lengths in r0, velocities in U, rates in U/r0; tube of diameter 6. q in
 Reference. Bryngelson and Freund, Phys. Rev. Fluids 3, 073101 (2018), have trains of eight and
 sixteen cells (Fig. 6).
 
-Run time. About two minutes on two cores, the first time some more for compilation.
+Run time. Ten seconds, the first time some more for compilation.
 
 Command. ``python examples/infinite_train.py [FOLDER]``; curves and pictures go to
 out/infinite_train unless told otherwise. ``celltrain stability --infinite`` does one case.
@@ -21,7 +21,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from celltrain import Base, Train, steady
+from celltrain import Base, Train
 from celltrain.cli.infinite import print_infinite
 from celltrain.cli.progress import Reporter
 from celltrain.pictures import draw_dispersion
@@ -31,14 +31,17 @@ SMALL = (0.01, 0.1)
 
 
 def main(folder: Path = Path("out/infinite_train")) -> None:
-    output, start = Console(), None
+    output = Console()
+    start: Base | None = None
     folder.mkdir(parents=True, exist_ok=True)
     for packing in (0.2, 0.5):
-        train = Train(diameter=6, packing=packing, degree=12)
+        train = Train(diameter=6, packing=packing)
         with Reporter(Console(stderr=True), quiet=False) as reporter:
             reporter.log(f"packing {packing:g}")
-            start = steady(train, start=start, progress=reporter.iteration)
-            result = infinite_train(start, progress=reporter.share)
+            result = infinite_train(
+                train, start=start, iteration=reporter.iteration, tell=reporter.log
+            )
+            start = result.base
         print_infinite(result, output)
         name = f"phi-{packing:g}"
         result.to_dataset().to_netcdf(folder / f"{name}.nc", engine="h5netcdf")

@@ -22,7 +22,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from celltrain import Base, Stability, Train, stability, steady
+from celltrain import Base, Stability, Train, stability
 from celltrain.cli.progress import Reporter
 from celltrain.diagnostics import meridional_flow, mode_motion, perturbation_energy, recirculation
 from celltrain.pictures import (
@@ -34,22 +34,17 @@ from celltrain.pictures import (
 )
 from celltrain.stability import growth_without_neighbours
 
-# The dense train is reached through the one between.
-PACKINGS = (0.2, 0.5, 0.7)
-SHOWN = (0.2, 0.7)
+PACKINGS = (0.2, 0.7)
 
 
 def main(folder: Path = Path("out/mechanisms")) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    output, base, curves = Console(), None, {}
+    output, curves = Console(), {}
     for packing in PACKINGS:
-        train = Train(diameter=6, packing=packing, cells=8, degree=12)
+        train = Train(diameter=6, packing=packing, cells=8)
         with Reporter(Console(stderr=True), quiet=False) as reporter:
             reporter.log(f"packing {packing:g}")
-            base = steady(train, start=base, progress=reporter.iteration)
-            if packing not in SHOWN:
-                continue
-            result = stability(base, estimate_error=False, progress=reporter.share)
+            result = stability(train, iteration=reporter.iteration, tell=reporter.log)
         name = f"packing {packing:g}"
         describe(result, name, output)
         curves[name] = [growth_without_neighbours(result, n) for n in range(5)]
@@ -58,7 +53,7 @@ def main(folder: Path = Path("out/mechanisms")) -> None:
         draw_strain_energies(result, part / "strain_energies.png")
         draw_deformation_spectra(result, part / "spectra.png")
         draw_mode_motions(result, part / "motions.png")
-        streamlines(base, part, output)
+        streamlines(result.base, part, output)
     output.print(str(draw_growth_without_neighbours(curves, folder / "neighbours.png")))
 
 

@@ -9,7 +9,7 @@ Scaling. Lengths in r0, velocities in U, rates in U/r0; tube of diameter 6, pack
 
 Reference. P. E. Farrell, A. Birkisson and S. W. Funke, SIAM J. Sci. Comput. 37, A2026 (2015).
 
-Run time. About four minutes on two cores.
+Run time. About half a minute on two cores.
 
 Command. ``python examples/search.py [FOLDER]``; the table goes to standard output, a picture to
 out/search unless told otherwise. ``celltrain search`` does the same for any case.

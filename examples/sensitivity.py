@@ -10,7 +10,7 @@ cells.
 Reference. The train of Bryngelson and Freund, Phys. Rev. Fluids 3, 073101 (2018), Figs. 5 and 6;
 the derivatives are not in the paper.
 
-Run time. A few minutes on two cores.
+Run time. About ten seconds on two cores.
 
 Command. ``python examples/sensitivity.py [FOLDER]``; the table goes to standard output, a picture
 to out/sensitivity unless told otherwise. ``celltrain sensitivity`` does one case.

@@ -9,7 +9,7 @@ the mean velocity, viscosities in that of the plasma. `train.scales` holds the s
 
 Reference. Moduli of the membrane: Bryngelson and Freund, Phys. Rev. Fluids 3, 073101 (2018), II.
 
-Run time. About two minutes on two cores.
+Run time. Four seconds, the first time some more for compilation.
 
 Command. ``python examples/si_units.py``
 """
@@ -18,7 +18,7 @@ import math
 
 from rich.console import Console
 
-from celltrain import Stability, Train, stability, steady
+from celltrain import Stability, Train, stability
 from celltrain.cli.progress import Reporter
 
 DIAMETER = 10e-6  # m
@@ -62,12 +62,10 @@ def main() -> None:
         radius=CELL_RADIUS,
         packing=packing(),
         cells=8,
-        degree=12,
     )
     with Reporter(Console(stderr=True), quiet=False) as reporter:
         reporter.log(f"diameter {train.tube.diameter:.4g} r0, packing {train.packing:.3f}")
-        base = steady(train, progress=reporter.iteration)
-        result = stability(base, azimuthal_numbers=range(4), progress=reporter.share)
+        result = stability(train, iteration=reporter.iteration, tell=reporter.log)
     print(describe(result))
 
 

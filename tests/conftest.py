@@ -14,6 +14,7 @@ TYPED = (
     "membrane",
     "flow",
     "train",
+    "meridian",
     "steady",
     "stability",
     "results",

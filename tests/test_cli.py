@@ -5,11 +5,13 @@ import math
 import subprocess
 import sys
 import tomllib
+from importlib import import_module
 
 import numpy as np
 import pytest
 
 from celltrain.cli import compute, main
+from celltrain.cli.app import COMMANDS
 from celltrain.parameters import Train
 from celltrain.results import load, save
 
@@ -20,8 +22,8 @@ CASE = ["--diameter", "6", "--packing", "0.2"]
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        (["--diameter", "2", "--packing", "0.2"], ["diameter = 2", "> 2.7716"]),
-        (["--diameter", "6", "--packing", "1.2"], ["packing = 1.2", "< 1.0996"]),
+        (["--diameter", "-2", "--packing", "0.2"], ["diameter = -2", "> 0"]),
+        (["--diameter", "6", "--packing", "0"], ["packing = 0", "> 0"]),
         (["--packing", "0.2"], ["diameter is missing"]),
         ([*CASE, "--cells", "0"], ["cells = 0", ">= 1"]),
         ([*CASE, "--cells", "2.6"], ["--cells", "2.6", "a whole number >= 1"]),
@@ -41,6 +43,18 @@ def test_bad_input(command, arguments, parts, capsys):
     assert all(part in printed.err for part in parts), printed.err
     assert "Traceback" not in printed.err
     assert "pydantic" not in printed.err
+
+
+@pytest.mark.parametrize("command", ["stability", "base"])
+@pytest.mark.parametrize("degree", [[], ["--degree", "8"]])
+def test_cells_that_have_no_room(command, degree, capsys):
+    assert main([command, "--diameter", "1.0", "--packing", "0.2", *degree, "--quiet"]) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert "diameter = 1 is not allowed" in printed.err
+    assert "allowed: > 1.07" in printed.err
+    assert main([command, "--diameter", "6", "--packing", "7", *degree, "--quiet"]) == 2
+    assert "allowed: > 0 and < 6.7" in capsys.readouterr().err
 
 
 def test_unknown_key_in_a_case_file(tmp_path, capsys):
@@ -130,13 +144,13 @@ def test_every_leaf_is_an_option(capsys):
 
 def test_exit_status_of_the_process():
     script = "import sys; from celltrain.cli import main; sys.exit(main())"
-    arguments = ["stability", "--diameter", "2", "--packing", "0.2"]
+    arguments = ["stability", "--diameter", "1", "--packing", "0.2"]
     result = subprocess.run(
         [sys.executable, "-c", script, *arguments], capture_output=True, text=True, check=False
     )
     assert result.returncode == 2
     assert result.stdout == ""
-    assert "> 2.7716" in result.stderr
+    assert "> 1.07" in result.stderr
 
 
 @pytest.fixture
@@ -228,3 +242,34 @@ def test_interruption_is_told(monkeypatch, tmp_path, capsys):
     assert main(["base", *CASE, "-o", str(path)]) == 130
     assert "interrupted" in capsys.readouterr().err
     assert path.read_text() == "an older result"
+
+
+def test_each_commands_help_is_the_first_line_of_its_docstring(capsys):
+    for name, (place, line) in COMMANDS.items():
+        module, function = place.split(":")
+        command = getattr(import_module(f"celltrain.cli.{module}"), function)
+        assert command.__doc__.splitlines()[0] == line, name
+    assert main(["--help"]) == 0
+    text = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    for name, (_, line) in COMMANDS.items():
+        assert f"{name} {line}" in text
+
+
+def imported(program: str, *arguments: str) -> set[str]:
+    """Which of the large libraries a program loads."""
+    script = f"import sys\n{program}\nprint(*sys.modules, file=sys.stderr)"
+    result = subprocess.run(
+        [sys.executable, "-c", script, *arguments], capture_output=True, text=True, check=True
+    )
+    large = {"jax", "equinox", "numba", "scipy", "xarray", "matplotlib", "distributed"}
+    return large & set(result.stderr.splitlines()[-1].split())
+
+
+def test_what_commands_import():
+    run = "from celltrain.cli import main\nassert main(sys.argv[1:]) == 0"
+    assert imported(run, "--help") == set()
+    assert imported(run, "--version") == set()
+    assert imported(run, "case", *CASE) == set()
+    assert not imported("import celltrain.cli.stability") & {"jax", "equinox", "matplotlib"}
+    case = [*CASE, "--degree", "6", "--cells", "1", "--error-bars", "1", "--json", "--quiet"]
+    assert not imported(run, "stability", *case) & {"jax", "equinox", "matplotlib"}

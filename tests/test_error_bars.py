@@ -8,14 +8,24 @@ import pytest
 from numpy.testing import assert_allclose
 from rich.console import Console
 
-from celltrain import CaseError, Stability, load, print_report, save, stability, steady, summary
+from celltrain import (
+    CaseError,
+    Stability,
+    Train,
+    load,
+    print_report,
+    save,
+    stability,
+    steady,
+    summary,
+)
 from celltrain.cli import main
 from celltrain.pictures import draw_error_bars
 from celltrain.results.report import verdict
-from celltrain.stability import ErrorBar, block_spectrum, error_bars, with_error_bars
-from celltrain.stability.error_bars import _paired
+from celltrain.stability import ErrorBar, block_spectrum, with_error_bars
+from celltrain.stability.error_bars import LEAST_OVERLAP, _paired
 from celltrain.stability.neutral import NeutralSpace
-from celltrain.train.accuracy import refined
+from celltrain.steady.solve import at_degree
 
 
 def test_modes_are_recognised_by_their_vectors(coarse_stability: Stability) -> None:
@@ -38,10 +48,7 @@ def test_modes_are_recognised_by_their_vectors(coarse_stability: Stability) -> N
 
 @pytest.fixture(scope="module")
 def barred(coarse_stability: Stability) -> Stability:
-    # One degree more instead of four: what is tested does not depend on it, the time does.
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(error_bars, "MORE_DEGREES", 1)
-        return with_error_bars(coarse_stability, count=3)
+    return with_error_bars(coarse_stability, count=3)
 
 
 def test_bars_are_changes_of_the_eigenvalues(
@@ -49,23 +56,39 @@ def test_bars_are_changes_of_the_eigenvalues(
 ) -> None:
     modes = [mode for mode in coarse_stability.modes if not mode.neutral][:3]
     assert [bar.mode for bar in barred.error_bars] == modes
-    train = coarse_stability.base.train
+    base = coarse_stability.base
     numbers = sorted({mode.azimuthal_number for mode in modes})
-    for part, other in (("by_degree", train.changed(degree=7)), ("by_rules", refined(train))):
-        base = steady(other, start=coarse_stability.base, estimate_error=False)
-        again = stability(base, azimuthal_numbers=numbers, estimate_error=False)
-        for bar in barred.error_bars:
-            value = complex(bar.mode.growth_rate, bar.mode.frequency)
-            others = again.eigenvalues[bar.mode.azimuthal_number][bar.mode.wave_number]
-            change = getattr(bar, part)
-            assert np.abs(np.abs(others - value) - change).min() < 1e-9
-            assert change > 0.0
+
+    # From degree 6 to the first two of the ladder.
+    again = [
+        stability(at_degree(base, degree), azimuthal_numbers=numbers, estimate_error=False)
+        for degree in (12, 16)
+    ]
     for bar in barred.error_bars:
+        value = complex(bar.mode.growth_rate, bar.mode.frequency)
+        near, far = (
+            each.eigenvalues[bar.mode.azimuthal_number][bar.mode.wave_number] for each in again
+        )
+        changes = np.abs(far - value) + np.abs(far - near[:, None])
+        assert np.abs(changes - bar.by_degree).min() < 1e-9
+        assert bar.by_degree > 0.0
         assert bar.by_rules < bar.by_degree
-        assert 0.8 < bar.overlap < 1.2
+        assert LEAST_OVERLAP < bar.overlap < 1.5
         assert bar.total == bar.by_degree + bar.by_rules
     assert barred.spectral_abscissa == coarse_stability.spectral_abscissa
     assert barred.seconds["error_bars"] > 0.0
+
+
+def test_bars_cover_what_higher_degrees_find() -> None:
+    base = steady(Train(diameter=6, packing=0.2, cells=1, degree=12), estimate_error=False)
+    found = with_error_bars(
+        stability(base, azimuthal_numbers=(0, 1), estimate_error=False), count=2
+    )
+    finer = stability(at_degree(base, 24), azimuthal_numbers=(0, 1), estimate_error=False)
+    for bar in found.error_bars:
+        assert bar.by_rules < 0.1 * bar.by_degree
+        m, value = bar.mode.azimuthal_number, complex(bar.mode.growth_rate, bar.mode.frequency)
+        assert np.abs(finer.eigenvalues[m][0] - value).min() <= bar.total
 
 
 def with_bars(result: Stability, sizes: list[float]) -> Stability:

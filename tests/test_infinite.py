@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
 
-from celltrain import Base, CaseError, Stability
-from celltrain.cli import analyses, infinite, main
+from celltrain import Base, CaseError, Stability, Train
+from celltrain.cli import infinite, main
 from celltrain.pictures import draw_dispersion
 from celltrain.stability import (
     InfiniteTrain,
@@ -20,15 +20,19 @@ from celltrain.stability import (
     neutral_space,
     normed_blocks,
 )
-from celltrain.stability.infinite import _spline
 
-# All those of the N-cell train: the same compiled programs.
+# All those of the N-cell train.
 NUMBERS = tuple(range(7))
 
 
 @pytest.fixture(scope="module")
 def curves(coarse_base: Base) -> InfiniteTrain:
-    return infinite_train(coarse_base, phases=np.pi * np.arange(7) / 6, azimuthal_numbers=NUMBERS)
+    return infinite_train(
+        coarse_base,
+        phases=np.pi * np.arange(7) / 6,
+        azimuthal_numbers=NUMBERS,
+        estimate_error=False,
+    )
 
 
 def test_a_train_of_n_cells_lies_on_the_curves(
@@ -60,9 +64,8 @@ def test_the_optimum_is_an_eigenvalue_and_the_largest(
     best = curves.most_unstable
     samples = max(curves.growth_rates(m).max() for m in NUMBERS)
     assert best.growth_rate >= samples
-    block = linear_blocks(
-        coarse_base.train, coarse_base.coefficients, np.array([best.phase]), NUMBERS
-    )[best.azimuthal_number][0]
+    m = best.azimuthal_number
+    block = linear_blocks(coarse_base, [best.phase], [m])[m][0]
     value = complex(best.growth_rate, best.frequency)
     size = np.linalg.norm(block, 2)
     assert_allclose(block @ best.right, value * best.right, atol=1e-9 * size)
@@ -72,11 +75,11 @@ def test_the_optimum_is_an_eigenvalue_and_the_largest(
 def test_an_optimum_between_samples_is_found(coarse_base: Base) -> None:
     # q = 0 and its displacement are left out, so that few samples show where the maximum is.
     few = np.array([0.3, 0.9, 1.6, 2.3, 3.0])
-    found = infinite_train(coarse_base, phases=few, azimuthal_numbers=NUMBERS)
+    found = infinite_train(coarse_base, phases=few, azimuthal_numbers=NUMBERS, estimate_error=False)
     best = found.most_unstable
     m = best.azimuthal_number
     waves = np.linspace(few[0], few[-1], 10)
-    blocks = linear_blocks(coarse_base.train, coarse_base.coefficients, waves, NUMBERS)
+    blocks = linear_blocks(coarse_base, waves, NUMBERS)
     rates = {
         n: [
             next(
@@ -91,20 +94,6 @@ def test_an_optimum_between_samples_is_found(coarse_base: Base) -> None:
     largest = max(max(each) for each in rates.values())
     assert best.growth_rate >= largest - 1e-6
     assert max(rates[m]) == largest
-
-
-@pytest.mark.parametrize("first", [0, 1])
-def test_the_spline_goes_on_beyond_the_ends(first: int) -> None:
-    # Cells that see their neighbours: A(-q) is the conjugate of A(q).
-    own, ahead, behind = np.random.default_rng(5).normal(size=(3, 4, 4))
-
-    def dynamics(q: float) -> np.ndarray:
-        return own + np.exp(1j * q) * ahead + np.exp(-1j * q) * behind
-
-    waves = np.pi * np.arange(13)[first : 13 - first] / 12
-    spline = _spline(waves, np.stack([dynamics(q) for q in waves]))
-    for q in np.linspace(0.0, np.pi, 50):
-        assert_allclose(spline(q), dynamics(q), atol=2e-4 if first == 0 else 4e-3)
 
 
 def test_waves_go_to_uniform_disturbances(coarse_base: Base) -> None:
@@ -122,6 +111,23 @@ def test_long_waves_lose_no_digits(coarse_base: Base) -> None:
     for m in (1, 2, 3):
         slopes = distances[m] / waves
         assert_allclose(slopes, slopes[-1], rtol=2e-3)
+
+
+def test_the_degree_rises_until_the_largest_growth_rate_is_known() -> None:
+    train = Train(diameter=6, packing=0.2)
+    waves = [0.0, 2.0]
+    found = infinite_train(train, phases=waves, azimuthal_numbers=[1])
+    convergence = found.convergence
+    assert found.base.train.degree == convergence.degree == convergence.degrees[-1]
+    assert convergence.degrees[0] == 12
+    largest = found.growth_rates(1).max()
+    assert convergence.values[-1] == pytest.approx(largest, rel=1e-9)
+    assert 0.0 < found.error_estimate <= 0.01 * largest
+    # At a degree of its own the case stays, and is told what that leaves.
+    coarse = infinite_train(train.changed(degree=8), phases=waves, azimuthal_numbers=[1])
+    assert coarse.base.train.degree == 8
+    change = abs(coarse.growth_rates(1).max() - largest)
+    assert change <= coarse.error_estimate + found.error_estimate
 
 
 def test_what_is_refused(coarse_base: Base) -> None:
@@ -151,11 +157,10 @@ def test_files_and_pictures(curves: InfiniteTrain, tmp_path) -> None:
 def test_command(curves, monkeypatch, tmp_path, capsys) -> None:
     asked = {}
 
-    def compute(base, **options):
+    def compute(train, **options):
         asked.update(options)
         return curves
 
-    monkeypatch.setattr(analyses, "steady", lambda train, **_: curves.base)
     monkeypatch.setattr(infinite, "infinite_train", compute)
     case = [
         "stability",

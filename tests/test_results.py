@@ -162,6 +162,16 @@ def test_foreign_file_is_refused(tmp_path: Path) -> None:
         load(path)
 
 
+def test_a_file_of_an_older_version_says_what_it_lacks(
+    make_stability: Callable[..., Stability], tmp_path: Path
+) -> None:
+    data = dataset(make_stability()).drop_vars("convergence_degrees")
+    data.attrs["celltrain_version"] = "0.0.9"
+    data.to_netcdf(tmp_path / "old.nc", engine="h5netcdf")
+    with pytest.raises(OSError, match=r"celltrain 0\.0\.9 and lacks .*convergence_degrees"):
+        load(tmp_path / "old.nc")
+
+
 def test_summary_is_json_with_the_promised_keys(
     make_stability: Callable[..., Stability],
 ) -> None:
@@ -178,6 +188,9 @@ def test_summary_is_json_with_the_promised_keys(
         "leading_modes",
         "seconds",
         "error_estimate",
+        "degree",
+        "convergence",
+        "condition_number",
         "case",
         "version",
     }

@@ -26,10 +26,12 @@ def test_what_is_told_of_it(coarse_base: Base) -> None:
     # Faster than the mean flow, slower than the flow on the axis.
     assert 1.0 < coarse_base.cell_velocity < 2.0
     assert 1.0 < coarse_base.effective_viscosity < 2.0
-    assert coarse_base.largest_radius == largest_radius(coarse_base.profile)
-    assert coarse_base.gap == streamwise_gap(coarse_base.profile, 1 / 0.3)
+    assert coarse_base.largest_radius == pytest.approx(
+        largest_radius(coarse_base.profile), rel=1e-14
+    )
+    assert coarse_base.gap == pytest.approx(streamwise_gap(coarse_base.profile, 1 / 0.3), rel=1e-13)
     assert coarse_base.origin == "march from the resting shape"
-    assert set(coarse_base.seconds) == {"base"}
+    assert set(coarse_base.seconds) == {"compile", "base"}
     methods = [step.method for step in coarse_base.history]
     assert methods[0] == "march"
     assert methods[-1] == "newton"
@@ -83,6 +85,6 @@ def test_change_of_degree() -> None:
 def test_a_train_without_a_degree_gets_one() -> None:
     base = steady(Train(diameter=6, packing=0.2))
     assert base.train.resolution.degree in (20, 24)
-    assert base.velocity_error < 1e-5
+    assert base.velocity_error < 1e-4
     finer = steady(base.train.changed(degree=32), start=base, estimate_error=False)
     assert_allclose(base.cell_velocity, finer.cell_velocity, rtol=0, atol=1e-4)

@@ -2,6 +2,8 @@
 
 import json
 import math
+import subprocess
+import sys
 from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -178,7 +180,7 @@ def test_the_degree_may_be_an_axis_or_left_open() -> None:
             {"axes": {"diameter": {"from": 0, "to": 8, "points": 2, "spacing": "logarithmic"}}},
             ["axis diameter from 0 to 8", "> 0"],
         ),
-        ({"axes": {"packing": [0.2, 1.2], "diameter": [6]}}, ["packing = 1.2", "< 1.0996"]),
+        ({"axes": {"packing": [0.2, -1], "diameter": [6]}}, ["packing = -1", "> 0"]),
         ({"case": {"cells": 2.5}}, ["cells = 2.5", "a whole number"]),
         ({"case": [2]}, ["[case] is a section"]),
         ({"compute": {"start": "home"}}, ["start = 'home'", "rest or neighbour"]),
@@ -340,7 +342,6 @@ def test_results_over_the_axes(study, cheap, tmp_path: Path) -> None:
     assert [path.name for path in draw_study(data, tmp_path)] == ["spectral_abscissa.png"]
 
 
-@pytest.mark.slow
 def test_a_real_study(tmp_path: Path, coarse_base: Base) -> None:
     """Two trains, the second from the first; the first is known."""
     train = coarse_base.train
@@ -366,3 +367,33 @@ def test_a_real_study(tmp_path: Path, coarse_base: Base) -> None:
     assert (data["axisymmetric_growth_rate"] < 0).all()
     # Stiffer cells are wider: they bend less towards the axis.
     assert float(data["largest_radius"][1]) > float(data["largest_radius"][0])
+    assert (data["taken_degree"] == 6).all()
+
+
+def test_a_case_without_a_degree_gets_one(tmp_path: Path) -> None:
+    study = make_study({"case": {"packing": 0.2, "cells": 1}, "axes": {"diameter": [1.0, 6.0]}})
+    with ThreadPoolExecutor(1) as executor:
+        computation = StabilityOfCase(study.computed)
+        records = run_study(study, tmp_path, computation, executor, lambda: 1)
+    # What has no room is a case that failed, with its reason.
+    assert records[0,].status == "failed"
+    assert "allowed: > 1.07" in records[0,].reason
+    record = records[1,]
+    assert record.case["resolution"]["degree"] is None
+    base = Store(tmp_path, computation.settings).base(study.cases[1].train)
+    assert base.train.degree == record.values["taken_degree"] >= 16
+    assert record.values["error_estimate"] <= 0.01 * record.values["spectral_abscissa"]
+    assert f"| {base.train.degree} |" in table(study, records)
+
+
+def test_workers_need_no_jax() -> None:
+    program = (
+        "import sys, pickle\n"
+        "from celltrain.study import Computed, StabilityOfCase\n"
+        "from celltrain.study.engine import compute_case\n"
+        "from celltrain import Train\n"
+        "train = Train(diameter=6, packing=0.2, cells=1, degree=6)\n"
+        "StabilityOfCase(Computed(estimate_error=False))(train, None)\n"
+        "assert not {'jax', 'equinox'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)

@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 from page import FOLDER, Page
 from scipy.optimize import brentq
 
@@ -16,18 +15,18 @@ from celltrain.stability import (
     neutral_space,
     wave_sensitivities,
 )
+from celltrain.stability.spectrum import BlockSpectrum
 
-# Modes of trains at D = 6: name, q, packings through which the start is reached, number of points.
-SPARSE = ("all cells alike (q = 0)", 0.0, (0.3, 0.36, 0.39), 5)
-DENSE = ("neighbours oppositely (q = pi)", math.pi, (0.3, 0.5, 0.6), 3)
-FINER_DEGREE = 16
-# Packings at D = 6 between which the uniform tilt turns stable at that degree.
-FINER_PACKINGS = (0.39, 0.42)
+# Tilts: name, q, packings at D = 6 between which they turn stable or unstable, number of points.
+SPARSE = ("all cells alike (q = 0)", 0.0, (0.38, 0.42), 6)
+DENSE = ("neighbours oppositely (q = pi)", math.pi, (0.58, 0.62), 4)
+# A usual one, and one at which the curves have converged.
+DEGREES = (12, 24)
 # Growth rates below this (U/r0) are zero: a thousandth of those inside the unstable regions.
-STEPS = Steps(first=0.06, largest=0.12, tolerance=1e-6)
+STEPS = Steps(first=0.04, largest=0.12, tolerance=1e-6)
 TILT = 1
-# Packings at D = 6, around that at which the two fastest tilts meet.
-AROUND = (0.386, 0.388, 0.39, 0.3905, 0.391, 0.394)
+# Packings at D = 6 over that of the boundary, around which the two fastest tilts meet.
+AROUND = (-0.004, -0.002, 0.0, 0.001, 0.002, 0.004)
 # Change of the packing over which differences are taken.
 BESIDE = 1e-4
 
@@ -37,43 +36,56 @@ def study() -> None:
     page.text(
         """
 alpha(D, packing) = 0 of the fastest tilt (m = 1) with one phase q, for an infinite train,
-viscosity ratio 1, degree 12: pseudo-arclength continuation from D = 6 with the exact gradient of
-alpha. Two modes bound the region in which the cells keep their order: at small packing all cells
-tilt alike, at large packing neighbours tilt oppositely. Rates in U/r0.
+viscosity ratio 1: pseudo-arclength continuation from D = 6 with the exact gradient of alpha, at
+degree 12 and at degree 24, where the curves have converged (at degree 32 growth rates differ by
+5e-5 at most). Two modes bound the region in which the cells keep their order: at small packing all
+cells tilt alike, at large packing neighbours tilt oppositely. Rates in U/r0.
 """
     )
-    found, starts = {}, {}
-    for name, q, packings, count in (SPARSE, DENSE):
-        starts[name] = start = reach(packings, 12)
-        page.log(f"start of {name}")
-
-        def tell(point: BoundaryPoint) -> None:
-            page.log(f"D = {point.diameter:.4f}, packing {point.packing:.5f}")
-
-        found[name] = stability_boundary(
-            start,
-            azimuthal_number=TILT,
-            phase=q,
-            most_points=count,
-            steps=STEPS,
-            progress=tell,
-        )
-        table(page, name, found[name])
+    found = {
+        (name, degree): curve(page, name, degree, q, packings, count)
+        for name, q, packings, count in (SPARSE, DENSE)
+        for degree in DEGREES
+    }
     path = FOLDER / "boundary.png"
-    draw_stability_boundary(found, path)
+    drawn = {f"{name}, degree {degree}": each for (name, degree), each in found.items()}
+    draw_stability_boundary(drawn, path)
     page.parts.append(f"![Curves on which the tilts neither grow nor decay]({path.name})")
-    checks(page, found[SPARSE[0]], starts[SPARSE[0]])
+    checks(page, found)
+    for degree in DEGREES:
+        meeting(page, found[SPARSE[0], degree].points[0].base)
+    page.text(
+        """
+Two real eigenvalues meet just inside the boundary, and are a pair of complex ones from there on.
+Towards that point the slope grows like one over the root of the distance; beyond it the rate hardly
+changes. So the differences above are taken over a small step."""
+    )
     page.write()
 
 
-def reach(packings: tuple[float, ...], degree: int) -> Base:
-    """A train at D = 6, by continuation in the packing."""
-    base = None
-    for packing in packings:
-        train = Train(diameter=6, packing=packing, cells=1, degree=degree)
-        base = steady(train, start=base, estimate_error=False)
-    assert base is not None
-    return base
+def curve(
+    page: Page, name: str, degree: int, q: float, packings: tuple[float, float], count: int
+) -> StabilityBoundary:
+    """One boundary, from the packing at D = 6 at which the tilt turns stable or unstable."""
+    train = Train(diameter=6, packing=packings[0], cells=1, degree=degree)
+    near = steady(train, estimate_error=False)
+    packing = float(brentq(lambda each: rate(near, each, q), *packings, xtol=1e-4))
+    start = steady(train.changed(packing=packing), start=near, estimate_error=False)
+    page.log(f"start of {name}, degree {degree}: packing {packing:.4f}")
+
+    def tell(point: BoundaryPoint) -> None:
+        page.log(f"D = {point.diameter:.4f}, packing {point.packing:.5f}")
+
+    found = stability_boundary(
+        start,
+        azimuthal_number=TILT,
+        phase=q,
+        most_points=count,
+        steps=STEPS,
+        progress=tell,
+    )
+    table(page, f"{name}, degree {degree}", found)
+    return found
 
 
 def table(page: Page, name: str, boundary: StabilityBoundary) -> None:
@@ -96,61 +108,64 @@ def table(page: Page, name: str, boundary: StabilityBoundary) -> None:
     page.text(f"The curve ended because {boundary.ending.message}.")
 
 
-def checks(page: Page, sparse: StabilityBoundary, start: Base) -> None:
-    """The gradients against trains beside the curve, and the curve at a higher degree."""
+def checks(page: Page, found: dict[tuple[str, int], StabilityBoundary]) -> None:
+    """The gradients against trains beside the curves, and the curves against each other."""
     page.heading("Checks")
     rows = []
-    for point in (sparse.points[0], sparse.points[-1]):
-        rates = [rate(point.base, point.packing + side) for side in (-BESIDE, BESIDE)]
-        slope = (rates[1] - rates[0]) / (2.0 * BESIDE)
-        place = f"D = {point.diameter:.3f}, packing lower and higher by {BESIDE:g}"
-        found = f"{rates[0]:+.2e}, {rates[1]:+.2e}"
-        rows += [
-            (f"alpha at {place}", found, "growing, decaying"),
-            ("d alpha/d packing from them", f"{slope:+.4f}", f"{point.gradient[1]:+.4f}"),
-        ]
-        page.log(f"beside D = {point.diameter:.3f}: {slope:+.4f}")
-    finer = steady(start.train.changed(degree=FINER_DEGREE), start=start, estimate_error=False)
-    # Not by Newton's method: at this degree two tilts meet there, and the slope changes at once.
-    there = float(brentq(lambda packing: rate(finer, packing), *FINER_PACKINGS, xtol=1e-4))
+    for degree in DEGREES:
+        sparse = found[SPARSE[0], degree]
+        for point in (sparse.points[0], sparse.points[-1]):
+            rates = [rate(point.base, point.packing + side, 0.0) for side in (-BESIDE, BESIDE)]
+            slope = (rates[1] - rates[0]) / (2.0 * BESIDE)
+            place = f"D = {point.diameter:.3f}, degree {degree}"
+            rows += [
+                (
+                    f"alpha at {place}, packing lower and higher by {BESIDE:g}",
+                    f"{rates[0]:+.2e}, {rates[1]:+.2e}",
+                    "growing, decaying",
+                ),
+                ("d alpha/d packing from them", f"{slope:+.4f}", f"{point.gradient[1]:+.4f}"),
+            ]
     page.log("checks")
-    # The boundary at degree 12 in the same tube, along its tangent.
-    first = sparse.points[0]
-    wider = start.train.tube.diameter - first.diameter
-    coarse = first.packing - first.gradient[0] * wider / first.gradient[1]
-    page.table(
-        ("what", "found", "expected"),
-        [
-            *rows,
+    coarse, fine = DEGREES
+    for name, *_ in (SPARSE, DENSE):
+        rows.append(
             (
-                f"packing of the boundary at D = 6, degree {FINER_DEGREE}, by bracketing",
-                f"{there:.4f}",
-                f"{coarse:.4f} at degree 12",
-            ),
-            (
-                "packing from which the paper's trains are marginal, all D",
-                f"{first.packing:.3f} at D = {first.diameter:.2g}, "
-                f"{sparse.points[-1].packing:.3f} at D = {sparse.points[-1].diameter:.2g}",
-                "0.4 (its steps are 0.05)",
-            ),
-        ],
+                f"packing of the boundary at D = 6, {name}",
+                f"{at_six(found[name, coarse]):.4f} at degree {coarse}",
+                f"{at_six(found[name, fine]):.4f} at degree {fine}",
+            )
+        )
+    first, last = (found[SPARSE[0], fine].points[i] for i in (0, -1))
+    rows.append(
+        (
+            "packing from which the paper's trains are marginal, all D",
+            f"{first.packing:.3f} at D = {first.diameter:.2g}, "
+            f"{last.packing:.3f} at D = {last.diameter:.2g}",
+            "0.4 (its steps are 0.05)",
+        )
     )
-    meeting(page, first.base)
+    page.table(("what", "found", "expected"), rows)
+
+
+def at_six(boundary: StabilityBoundary) -> float:
+    """The packing at D = 6, along the tangent of the nearest point."""
+    point = min(boundary.points, key=lambda each: abs(each.diameter - 6.0))
+    return point.packing - point.gradient[0] * (6.0 - point.diameter) / point.gradient[1]
 
 
 def meeting(page: Page, base: Base) -> None:
     """The two fastest tilts of all cells alike around the boundary, with their slopes."""
-    page.heading("Why the slope is steep at D = 6")
-    rows = []
-    for packing in AROUND:
-        train = base.train.changed(packing=packing)
+    page.heading(f"Why the slope is steep at D = 6, degree {base.train.degree}")
+    rows, middle = [], base.train.packing
+    for beside in AROUND:
+        train = base.train.changed(packing=middle + beside)
         base = steady(train, start=base, estimate_error=False)
-        block = linear_blocks(base.train, base.coefficients, np.zeros(1), [TILT])[TILT][0]
-        spectrum = block_spectrum(block, neutral_space(base, TILT, 0))
+        spectrum = spectrum_of(base, 0.0)
         values = spectrum.eigenvalues[:2]
         leading = WaveMode(
-            values[0].real,
-            values[0].imag,
+            float(values[0].real),
+            float(values[0].imag),
             TILT,
             0.0,
             spectrum.right[:, 0],
@@ -158,19 +173,19 @@ def meeting(page: Page, base: Base) -> None:
         )
         found = wave_sensitivities(base, leading, parameters=["packing"])
         slope = found.entries["packing"].growth_rate
-        rows.append((f"{packing:g}", *(f"{value:+.5f}" for value in values), f"{slope:+.4f}"))
+        both = (f"{value.real:+.5f}{value.imag:+.5f}i" for value in values)
+        rows.append((f"{train.packing:.4f}", *both, f"{slope:+.4f}"))
     page.log("the meeting of two tilts")
     page.table(("packing", "fastest, U/r0", "second, U/r0", "d alpha/d packing"), rows)
-    page.text(
-        """
-Two real eigenvalues meet just inside the boundary, and are a pair of complex ones from there on.
-Towards that point the slope grows like one over the root of the distance; beyond it the rate hardly
-changes. So the differences above are taken over a small step."""
-    )
 
 
-def rate(base: Base, packing: float) -> float:
-    """Growth rate of the uniform tilt in a train of another packing."""
+def spectrum_of(base: Base, q: float) -> BlockSpectrum:
+    """That of the tilts with one phase."""
+    block = linear_blocks(base, [q], [TILT])[TILT][0]
+    return block_spectrum(block, neutral_space(base, TILT, 0 if q == 0.0 else 1))
+
+
+def rate(base: Base, packing: float, q: float) -> float:
+    """Growth rate of a tilt in a train of another packing."""
     other = steady(base.train.changed(packing=packing), start=base, estimate_error=False)
-    block = linear_blocks(other.train, other.coefficients, np.zeros(1), [TILT])[TILT][0]
-    return float(block_spectrum(block, neutral_space(other, TILT, 0)).eigenvalues[0].real)
+    return float(spectrum_of(other, q).eigenvalues[0].real)

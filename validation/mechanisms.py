@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
+from degrees import FINE, PAPER
 from page import FOLDER, Page, plain_figure
 
 from celltrain import Stability, Train, stability, steady
@@ -27,15 +28,20 @@ TABLE = {
 # From mean energies in mu U r0^2 to the sum over the cells in mu U* r0^2, U* = U/10.
 TO_TABLE = 10.0 * CELLS
 STREAMLINES = (0.3, 0.5, 0.7)
+# Degrees of the disturbances from here on count as short waves: half of the paper's M.
+SHORT_WAVES = PAPER // 2
 
 
-def trains() -> dict[tuple[int, float], Stability]:
-    """The four trains of Table I."""
+Results = dict[tuple[int, float], Stability]
+
+
+def trains(degree: int) -> Results:
+    """The four trains of Table I at a degree."""
     found = {}
     for diameter in (6, 10):
         base = None
         for packing in (0.2, 0.5, 0.7):
-            train = Train(diameter=diameter, packing=packing, cells=CELLS, degree=12)
+            train = Train(diameter=diameter, packing=packing, cells=CELLS, degree=degree)
             base = steady(train, start=base, estimate_error=False)
             if (diameter, packing) in TABLE:
                 found[diameter, packing] = stability(base, estimate_error=False)
@@ -46,13 +52,15 @@ def study() -> None:
     page = Page("mechanisms", "Mechanisms")
     page.text(
         f"""
-N = {CELLS}, default resolution (M = 12), viscosity ratio 1; v_alpha is the fastest growing mode,
-v_eta the disturbance that grows fastest at first in the norm of Eq. (8). Rates in U/r0; those that
-the paper prints are ten times as large.
+N = {CELLS}, viscosity ratio 1, M = {FINE}, and beside it the paper's resolution, M = {PAPER};
+v_alpha is the fastest growing mode, v_eta the disturbance that grows fastest at first in the norm
+of Eq. (8). Rates in U/r0; those that the paper prints are ten times as large.
 """
     )
-    results = trains()
-    page.log("trains")
+    results = {}
+    for degree in (FINE, PAPER):
+        results[degree] = trains(degree)
+        page.log(f"trains, degree {degree}")
     energies(page, results)
     spectra(page, results)
     neighbours(page, results)
@@ -60,7 +68,7 @@ the paper prints are ten times as large.
     page.write()
 
 
-def energies(page: Page, results: dict[tuple[int, float], Stability]) -> None:
+def energies(page: Page, results: dict[int, Results]) -> None:
     """Table I."""
     page.heading("Strain energy of disturbances (Table I)")
     page.text(
@@ -71,110 +79,147 @@ would be eight times smaller, mu U r0^2 ten times). v_alpha of a disturbance tha
 cells has an energy of first order in eps, whose sign is arbitrary; here it is not (m > 0 or q > 0).
 """
     )
-    rows, ratios = [], []
+    rows: list[tuple[object, ...]] = []
+    ratios: dict[int, list[float]] = {degree: [] for degree in results}
+    parts: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {degree: [] for degree in results}
     for (diameter, packing), expected in TABLE.items():
-        result = results[diameter, packing]
-        leading = TO_TABLE * perturbation_energy(result.base, result.shape(result.leading))
-        abrupt = TO_TABLE * perturbation_energy(result.base, result.transient_shape())
-        found = (leading.sum(), abrupt.sum(), *abrupt)
-        ratios += [found[0] / expected[0], found[1] / expected[1]]
-        rows.append(
-            (
-                diameter,
-                packing,
-                *(f"{f:.3g} ({e:.3g})" for f, e in zip(found, expected, strict=True)),
-            )
-        )
-    page.table(
-        ("D/r0", "packing", "W_alpha (paper)", "W_eta", "shear", "dilatation", "bending"), rows
+        rows.append((diameter, packing, "paper", *(f"{each:.3g}" for each in expected)))
+        for degree, found in reversed(results.items()):
+            result = found[diameter, packing]
+            leading = TO_TABLE * perturbation_energy(result.base, result.shape(result.leading))
+            abrupt = TO_TABLE * perturbation_energy(result.base, result.transient_shape())
+            numbers = (leading.sum(), abrupt.sum(), *abrupt)
+            ratios[degree] += [numbers[0] / expected[0], numbers[1] / expected[1]]
+            parts[degree].append((leading, abrupt))
+            rows.append((diameter, packing, f"M = {degree}", *(f"{each:.3g}" for each in numbers)))
+    page.table(("D/r0", "packing", "", "W_alpha", "W_eta", "shear", "dilatation", "bending"), rows)
+    words = "; ".join(
+        f"M = {degree}: {math.exp(float(np.mean(np.log(np.abs(each))))):.2f} in the geometric mean,"
+        f" within a factor of {math.exp(float(np.std(np.log(np.abs(each))))):.1f} (one standard"
+        " deviation)"
+        for degree, each in reversed(ratios.items())
     )
-    mean = math.exp(float(np.mean(np.log(np.abs(ratios)))))
-    spread = math.exp(float(np.std(np.log(np.abs(ratios)))))
     page.text(
         f"""
-Ratio of ours to the paper's for the sums: {mean:.2f} in the geometric mean, within a factor of
-{spread:.1f} (one standard deviation). W_eta depends on the fastest of all disturbances, which the
-degree of the discretisation cuts off (see the page on convergence), so it cannot agree closely.
+Ratio of ours to the paper's for the sums: {words}. W_eta belongs to the fastest of all
+disturbances, which the degree of the discretisation cuts off (see the page on
+[norms](norms.md)): it has no converged value, so it cannot agree closely.
 """
     )
-    strainless = all(
-        perturbation_energy(each.base, each.shape(each.leading)).sum()
-        < 0.05 * perturbation_energy(each.base, each.transient_shape()).sum()
-        for each in results.values()
-    )
-    ordered = all(
-        parts[1] > parts[0] > parts[2]
-        for parts in (perturbation_energy(r.base, r.transient_shape()) for r in results.values())
+    statements = (
+        (
+            "v_alpha is nearly free of strain beside v_eta",
+            lambda leading, abrupt: leading.sum() < 0.05 * abrupt.sum(),
+        ),
+        (
+            "of W_eta dilatation is the largest part, bending the smallest",
+            lambda _, abrupt: abrupt[1] > abrupt[0] > abrupt[2],
+        ),
     )
     page.table(
-        ("the paper says", "holds"),
+        ("the paper says", *(f"holds, M = {degree}" for degree in results)),
         [
-            ("v_alpha is nearly free of strain beside v_eta", _yes(strainless)),
-            ("of W_eta dilatation is the largest part, bending the smallest", _yes(ordered)),
+            (words, *(_yes(all(check(*pair) for pair in parts[degree])) for degree in results))
+            for words, check in statements
         ],
     )
 
 
-def spectra(page: Page, results: dict[tuple[int, float], Stability]) -> None:
+def spectra(page: Page, every: dict[int, Results]) -> None:
     """Fig. 10."""
     page.heading("Spectra of the disturbances (Fig. 10)")
     rows = []
-    figure = plain_figure()
+    figure = plain_figure(7.0, 4.4)
     axes = figure.subplots()
-    for color, ((diameter, packing), result) in zip(
-        ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), results.items(), strict=True
-    ):
-        shares = []
-        for shape, style in (
-            (result.shape(result.leading), "o-"),
-            (result.transient_shape(), "s--"),
-        ):
-            spectrum = deformation_spectrum(shape)
-            spectrum = spectrum / spectrum.sum()
-            shares.append(spectrum[len(spectrum) // 2 :].sum())
-            axes.semilogy(spectrum, style, color=color, markersize=3)
-        axes.plot([], [], color=color, label=f"D = {diameter}, packing {packing:g}")
-        rows.append(
-            (diameter, packing, *(f"{share:.1e}" for share in shares), _yes(shares[0] < shares[1]))
-        )
+    colors = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
+    for degree, results in every.items():
+        for color, ((diameter, packing), result) in zip(colors, results.items(), strict=True):
+            shares = []
+            for shape, style in (
+                (result.shape(result.leading), "o-"),
+                (result.transient_shape(), "s--"),
+            ):
+                spectrum = deformation_spectrum(shape)
+                spectrum = spectrum / spectrum.sum()
+                shares.append(spectrum[SHORT_WAVES:].sum())
+                if degree == FINE:
+                    axes.semilogy(spectrum, style, color=color, markersize=3)
+            if degree == FINE:
+                axes.plot([], [], color=color, label=f"D = {diameter}, packing {packing:g}")
+            rows.append(
+                (
+                    diameter,
+                    packing,
+                    degree,
+                    *(f"{share:.1e}" for share in shares),
+                    _yes(shares[0] < shares[1]),
+                )
+            )
+    rows.sort(key=lambda row: (row[0], row[1], -int(row[2])))
     page.table(
-        ("D/r0", "packing", "share of n >= M/2 in v_alpha", "in v_eta", "v_alpha decays faster"),
+        (
+            "D/r0",
+            "packing",
+            "M",
+            f"share of n >= {SHORT_WAVES} in v_alpha",
+            "in v_eta",
+            "v_alpha decays faster",
+        ),
         rows,
     )
     axes.set(xlabel="degree $n$", ylabel="$E_n$ (Eq. 16), sum 1")
-    axes.legend(fontsize=8)
-    page.figure(figure, "Spectra of v_alpha (full lines) and v_eta (dashed)")
+    axes.legend(fontsize=8, frameon=False)
+    page.figure(figure, f"Spectra of v_alpha (full lines) and v_eta (dashed), M = {FINE}")
 
 
-def neighbours(page: Page, results: dict[tuple[int, float], Stability]) -> None:
+def neighbours(page: Page, every: dict[int, Results]) -> None:
     """Fig. 20."""
     page.heading("Without near neighbours (Eq. 22, Fig. 20)")
     curves = {
-        key: [growth_without_neighbours(result, removed) for removed in range(CELLS // 2 + 1)]
-        for key, result in results.items()
+        degree: {
+            key: [growth_without_neighbours(result, removed) for removed in range(CELLS // 2 + 1)]
+            for key, result in results.items()
+        }
+        for degree, results in every.items()
     }
+    page.log("without neighbours")
     page.table(
-        ("D/r0", "packing", *(f"{removed} removed" for removed in range(CELLS // 2 + 1))),
+        ("D/r0", "packing", "M", *(f"{removed} removed" for removed in range(CELLS // 2 + 1))),
         [
             (
                 *key,
-                *(f"{each.spectral_abscissa:.2e} (m = {each.azimuthal_number})" for each in found),
+                degree,
+                *(
+                    f"{each.spectral_abscissa:.2e} (m = {each.azimuthal_number})"
+                    for each in curves[degree][key]
+                ),
             )
-            for key, found in curves.items()
+            for key in curves[FINE]
+            for degree in every
         ],
     )
     rows = []
-    for key, found in curves.items():
-        first, second = (each.spectral_abscissa for each in found[:2])
-        factor = "stable" if second <= 0.0 else f"{first / second:.3g}"
+    for key in curves[FINE]:
+        factors = []
+        for degree in every:
+            first, second = (each.spectral_abscissa for each in curves[degree][key][:2])
+            factors.append("stable" if second <= 0.0 else f"{first / second:.3g}")
         stated = "up to 1000 over the paper's range of v and Ca" if key[1] == 0.7 else "1.4"
-        rows.append((*key, factor, stated))
-    page.table(("D/r0", "packing", "alpha falls by the first neighbours' removal", "paper"), rows)
+        rows.append((*key, *factors, stated))
+    page.table(
+        (
+            "D/r0",
+            "packing",
+            *(f"alpha falls by the first neighbours' removal, M = {degree}" for degree in every),
+            "paper",
+        ),
+        rows,
+    )
     path = FOLDER / "mechanisms-neighbours.png"
     draw_growth_without_neighbours(
-        {f"D = {d}, packing {phi:g}": found for (d, phi), found in curves.items()}, path
+        {f"D = {d}, packing {phi:g}": found for (d, phi), found in curves[FINE].items()}, path
     )
-    page.parts.append(f"![Growth without near neighbours]({path.name})")
+    page.parts.append(f"![Growth without near neighbours, M = {FINE}]({path.name})")
 
 
 def streamlines(page: Page) -> None:
@@ -183,7 +228,7 @@ def streamlines(page: Page) -> None:
     rows: list[tuple[Any, ...]] = []
     base = None
     for packing in STREAMLINES:
-        train = Train(diameter=6, packing=packing, cells=CELLS, degree=12)
+        train = Train(diameter=6, packing=packing, cells=CELLS, degree=FINE)
         base = steady(train, start=base, estimate_error=False)
         flow = meridional_flow(base)
         found = recirculation(base, flow)

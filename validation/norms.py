@@ -17,7 +17,7 @@ from celltrain.stability import (
     transient_growth,
 )
 
-DEGREES = (8, 12, 16, 20)
+DEGREES = (12, 16, 20, 24, 32, 40)
 TIMES = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0)
 UNTIL = 30.0
 # Disturbances of higher azimuthal number grow less in all norms and degrees tried.
@@ -101,7 +101,7 @@ def numbers(each: Measures) -> np.ndarray:
 
 def statement(found: dict[int, dict[str, Measures]]) -> str:
     """In words how fast eta rises with the degree."""
-    first, last = DEGREES[1], DEGREES[-1]
+    first, last = DEGREES[0], DEGREES[-1]
     parts = []
     for name in COLORS:
         rates = [found[degree][name].growth.numerical_abscissa for degree in (first, last)]
@@ -118,7 +118,7 @@ def draw(page: Page, found: dict[int, dict[str, Measures]]) -> None:
     """G(t) for all degrees and norms."""
     figure = plain_figure(9.6, 3.6)
     for axes, (name, color) in zip(figure.subplots(1, 3), COLORS.items(), strict=True):
-        for degree, strength in zip(DEGREES, (0.25, 0.5, 0.75, 1.0), strict=True):
+        for degree, strength in zip(DEGREES, np.linspace(0.25, 1.0, len(DEGREES)), strict=True):
             growth = found[degree][name].growth
             axes.loglog(
                 growth.times[1:],
@@ -127,8 +127,8 @@ def draw(page: Page, found: dict[int, dict[str, Measures]]) -> None:
                 alpha=strength,
                 label=f"M = {degree}",
             )
-        axes.set(title=name, xlabel="t, r0/U", ylabel="G(t)")
-        axes.legend(fontsize=8)
+        axes.set(title=f"Norm: {name}", xlabel="t, r0/U", ylabel="G(t)")
+        axes.legend(fontsize=8, frameon=False)
     page.figure(figure, "Largest growth up to a time in three norms, by degree")
 
 

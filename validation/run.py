@@ -24,6 +24,7 @@ import breakup
 import convergence
 import figures
 import haematocrit
+import map_degrees
 import mechanisms
 import norms
 import packing
@@ -51,6 +52,7 @@ def main() -> None:
         "sphere": lambda _: sphere.study(),
         "reference": lambda options: reference.study(options.reference),
         "convergence": lambda _: convergence.study(),
+        "map": lambda options: map_degrees.study(options.workers),
         "trains": lambda _: trains.study(),
         "packing": lambda _: packing.study(),
         "viscosity": lambda _: viscosity.study(),
@@ -59,7 +61,7 @@ def main() -> None:
         "figures": lambda options: figures.study(options.results),
         "mechanisms": lambda _: mechanisms.study(),
         "norms": lambda _: norms.study(),
-        "transients": lambda _: transients.study(),
+        "transients": lambda options: transients.study(options.march),
         "boundary": lambda _: boundary.study(),
         "breakup": lambda options: breakup.study(
             options.runs, options.simulate, dict(options.take)
@@ -68,6 +70,8 @@ def main() -> None:
     parser.add_argument("studies", nargs="*", metavar="STUDY", help=", ".join(studies))
     breakup.add_arguments(parser)
     figures.add_arguments(parser)
+    map_degrees.add_arguments(parser)
+    transients.add_arguments(parser)
     options = parser.parse_args()
     unknown = [name for name in options.studies if name not in studies]
     if unknown:

@@ -6,9 +6,8 @@ from collections.abc import Callable, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-import xarray as xr
 from rich.console import Console
 
 from celltrain.cli.compute import Request, describe_failure, read_start, read_train
@@ -17,6 +16,9 @@ from celltrain.cli.progress import Reporter
 from celltrain.parameters import Train, read_case
 from celltrain.results import replace_file
 from celltrain.steady import Base, NotConverged
+
+if TYPE_CHECKING:
+    import xarray
 
 Result = TypeVar("Result")
 
@@ -73,7 +75,7 @@ def analyse(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Resu
     return 0
 
 
-def save_dataset(data: xr.Dataset, path: Path) -> None:
+def save_dataset(data: "xarray.Dataset", path: Path) -> None:
     """Write a data set as netCDF; a file that cannot be written leaves the old one as it was.
 
     Raises:

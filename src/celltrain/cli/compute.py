@@ -15,7 +15,7 @@ from rich.table import Table
 from celltrain.cli.outputs import check_folder, check_output, last_state_path
 from celltrain.cli.progress import Reporter
 from celltrain.parameters import CaseError, Train, merge_case, read_case
-from celltrain.results import load, print_report, save, summary
+from celltrain.results import print_report, summary
 from celltrain.stability import (
     ACCURACY,
     Stability,
@@ -127,6 +127,9 @@ def read_start(path: Path) -> Base:
     """
     if not path.is_file():
         raise CaseError(f"start = {str(path)!r} cannot be read: there is no such file")
+    # Files take half a second to load.
+    from celltrain.results import load
+
     try:
         result = load(path)
     except (OSError, ValueError) as error:
@@ -136,6 +139,8 @@ def read_start(path: Path) -> Base:
 
 def _keep(result: Base | Stability, request: Request, reporter: Reporter) -> None:
     if request.output:
+        from celltrain.results import save
+
         save(result, request.output)
         reporter.log(f"saved {request.output}")
     if request.plot:
@@ -175,6 +180,8 @@ def describe_failure(failure: NotConverged, errors: Console, output: Path | None
             f"{iteration.cell_velocity:.6f}",
         )
     errors.print(table)
+    from celltrain.results import save
+
     path = last_state_path(output)
     try:
         save(failure.last, path)

@@ -25,7 +25,7 @@ MostTries = Annotated[
     int,
     Parameter(
         converter=reader(int, "allowed: whole numbers >= 1"),
-        help="End after this many tries; each takes up to a minute at degree 12.",
+        help="End after this many tries; each takes up to ten seconds at degree 12.",
     ),
 ]
 Output = Annotated[

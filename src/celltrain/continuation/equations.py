@@ -60,9 +60,9 @@ def evaluate_steady(
     **Raises:** `NoSolution` where cells overlap each other or the wall.
     """
     profile = change_of_profile(UNIT * unknowns[:-1])
-    # Searches come across meridians beyond the axis: there is a wall on that side, too.
-    beyond = float(meridian_points(profile, POINTS)[0].min())
-    if not (problem.fits(profile) and beyond > -problem.train.radius):
+    # Searches come across meridians beyond the axis, whose distance from the wall is on that side.
+    radius = meridian_points(profile, POINTS)[0]
+    if not (problem.fits(profile) and radius.min() > -radius.max()):
         raise NoSolution("cells overlap")
     rules = problem.rules(profile)
     if near.state.flow.rules.covers(rules):

@@ -5,7 +5,7 @@ the north pole, and (theta', phi') the same point in the usual ones,
 
     P_no(theta') cos(o phi') = sum_mu E[n, mu] P_n,mu(alpha) cos(mu beta),
     P_no(theta') sin(o phi') = sum_mu S[n, mu] P_n,mu(alpha) sin(mu beta),
-    E, S = d^n_(mu,o)(theta) +- (-1)^mu d^n_(-mu,o)(theta)    (mu > 0; E = d^n_(0,o) for mu = 0),
+    E, S = d^n_(mu,o)(theta) +- (-1)^mu d^n_(-mu,o)(theta)     (mu > 0; E = d^n_(0,o) for mu = 0),
 
 with Wigner's d, by its recursion in n (Varshalovich, Moskalev & Khersonskii 1988, section 4.8.2):
 

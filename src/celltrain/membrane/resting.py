@@ -1,8 +1,8 @@
 """The shape at rest that a cell's parameters describe."""
 
 import numpy as np
+import scipy  # loads its parts when they are used
 from jaxtyping import Float
-from scipy.interpolate import CubicSpline
 
 from celltrain.harmonics import coefficients_of, legendre_functions, project_meridian
 from celltrain.membrane.equilibrium import relaxed_shape
@@ -44,12 +44,13 @@ def profile_shape(
     # Mirror images of the first and the last piece make the poles smooth.
     mirrored = np.concatenate([[-chord[1]], chord, [2.0 * chord[-1] - chord[-2]]])
     ends = np.concatenate([points[1:2] * [-1.0, 1.0], points, points[-2:-1] * [-1.0, 1.0]])
-    distance, height = (CubicSpline(mirrored, ends[:, i]) for i in (0, 1))
+    spline = scipy.interpolate.CubicSpline
+    distance, height = (spline(mirrored, ends[:, i]) for i in (0, 1))
     fine = np.linspace(0.0, chord[-1], 20 * len(points) + 1)
     speed = np.hypot(distance(fine, 1), height(fine, 1))
     middles = 0.5 * (speed[1:] + speed[:-1]) * np.diff(fine)
     arc = np.concatenate([[0.0], np.cumsum(middles)])
-    place = CubicSpline(np.pi * arc / arc[-1], fine)
+    place = spline(np.pi * arc / arc[-1], fine)
 
     def meridian(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return distance(place(theta)), height(place(theta))

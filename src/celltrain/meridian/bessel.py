@@ -5,6 +5,8 @@ exp(x) = I_0 + 2 sum I_k; K_n upward from K_0 and K_1. SciPy's functions, order 
 most of the time of a train's wall.
 """
 
+from typing import no_type_check
+
 import numpy as np
 from jaxtyping import Float
 from numba import njit
@@ -34,7 +36,8 @@ def bessel_k(x: Float[np.ndarray, " point"], orders: int) -> Float[np.ndarray, "
 
 
 @njit(cache=True)
-def _bessel_j(x, largest):  # type: ignore[no-untyped-def]
+@no_type_check
+def _bessel_j(x, largest):
     found = np.zeros((largest + 1, x.size))
     for p in range(x.size):
         if x[p] < TINY:
@@ -66,7 +69,8 @@ def _bessel_j(x, largest):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _bessel_i(x, largest):  # type: ignore[no-untyped-def]
+@no_type_check
+def _bessel_i(x, largest):
     found = np.empty((largest + 1, x.size))
     for p in range(x.size):
         start = int(largest + 8 + np.sqrt(80.0 * x[p] + 60.0))

@@ -2,13 +2,14 @@
 
 With lam the viscosity ratio and b the velocity at equal viscosities, B u = b with
 
-    B = (1 + lam)/2 - (1 - lam) K,     K u = (1/8 pi) PV int K_ij u_j dOmega + images, tail and wall.
+    B = (1 + lam)/2 - (1 - lam) K,   K u = (1/8 pi) PV int K_ij u_j dOmega + images, tail and wall.
 
 In a steady train u is a rigid motion, and B u = u for rigid motions whatever the shape: the train
 does not depend on lam, and A_m(q; lam) = B_m(q)^-1 A_m(q; 1).
 
 On the own surface K u = sum K (u(y) - u(x)) - u(x)/2, in which nothing is singular. An inflation of
-a cell is no disturbance that its volume allows; what K makes of it has no meaning and is taken out.
+a cell is no disturbance that its volume allows; what the far images and the wall make of it has no
+limit at q = 0 and is taken out. That changes no rates: B^-1 makes no inflation where there is none.
 The flux of the double layer is held as that of the forces is. Rigid motions of a cell give -1/2 of
 themselves, which the discrete K does to rounding.
 """

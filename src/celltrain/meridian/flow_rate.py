@@ -12,7 +12,7 @@ effective viscosity in mu. Only axisymmetric disturbances that are alike in all 
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.meridian.grids import Meridian
+from celltrain.meridian.grids import Amplitudes, Meridian
 
 Rates = Float[np.ndarray, " member"]
 
@@ -35,8 +35,8 @@ def extra_flux_change(
     rho: Meridian,
     radius: float,
     period: float,
-    sources: Float[np.ndarray, "3_point member"],
-    force_change: Float[np.ndarray, "3_point member"],
+    sources: Amplitudes,
+    force_change: Amplitudes,
 ) -> Rates:
     """dq0 for each member of m = 0: [int dF_z (R^2 - r^2)/4 - F_z r dr/2]/(L pi R^2).
 
@@ -55,7 +55,7 @@ def stress_flux(
     rho: Meridian,
     radius: float,
     period: float,
-    sources: Float[np.ndarray, "3_point member"],
+    sources: Amplitudes,
 ) -> Rates:
     """The flux of the double layer in units of pi R^2, for each member of m = 0.
 

@@ -4,18 +4,18 @@ Outside of the cells' own surfaces a velocity is a sum of functionals
 
     int l(y).F dOmega,     l(y) = (l_R, l_Phi, l_Z)(r, z) in the amplitudes of azimuthal number m,
 
-of places y and forces F. A displacement (R, Phi, Z) of the sources changes l(y).F, F = (F_r, 0, F_z)
-axisymmetric, by
+of places y and forces F. A displacement (R, Phi, Z) of the sources changes l(y).F, F = (F_r, 0,
+F_z) axisymmetric, by
 
     R:    F_r dl_R/dr + F_z dl_Z/dr,
     Phi:  -(1/r) [F_r (m l_R + l_Phi) + m F_z l_Z],
     Z:    F_r dl_R/dz + F_z dl_Z/dz.
 
-The same with the area vector n in place of F is n_j u_k d_k l_j, a part of the double layer:
+The same with the area vector n in place of F is n_j u_k d_k l_j, a part of the double layer,
 
     int [(n_j u_k + u_j n_k) d_k l_j - p u.n] dOmega,
 
-p the pressure of the flow l. Arrays are [..., 3, point].
+p the pressure of the flow l (mu = 1). Arrays are [..., 3, point].
 """
 
 import numpy as np

@@ -15,6 +15,8 @@ from celltrain.harmonics import (
 )
 
 Meridian = Float[np.ndarray, " point"]
+#: R at all points, then Phi, then Z, of each member.
+Amplitudes = Float[np.ndarray, "amplitude member"]
 
 
 class MeridianGrid:
@@ -49,7 +51,7 @@ class MeridianGrid:
             self._members[m] = cylindrical_members(self.tables(m + 1).value, m)
         return self._members[m]
 
-    def sources(self, m: int) -> Float[np.ndarray, "3_point member"]:
+    def sources(self, m: int) -> Amplitudes:
         """From members to their amplitudes times the weights of solid angle, one after another."""
         weighted = self.members(m) * (2.0 * np.pi * self.weights)
         return np.ascontiguousarray(np.moveaxis(weighted, 1, 2).reshape(-1, weighted.shape[1]))
@@ -60,7 +62,7 @@ class MeridianGrid:
         return np.moveaxis(weighted, 0, 2).reshape(weighted.shape[1], -1)
 
     def places(self, profile: Profile) -> tuple[Meridian, Meridian]:
-        """Axial position and distance from the axis of the points, or such components of a field."""
+        """Axial position and distance from the axis of the points, or a field's components so."""
         value = self.tables(1).value
         return profile[0] @ value[0], profile[1] @ value[1]
 

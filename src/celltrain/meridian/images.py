@@ -2,7 +2,7 @@
 
 The fields of `kernels` on a product grid of the source, moved along the tube by a multiple of the
 period. The rule's error falls as exp(-2 n d/h), n points in theta, d the distance of the target and
-h = |dx/dtheta| of the source there; `rules` chooses n. Prefactor 1/8 pi.
+h = |dx/dtheta| of the source there, for d well below h; `rules` chooses n. Prefactor 1/8 pi.
 """
 
 from collections.abc import Callable
@@ -10,7 +10,8 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.meridian.grids import HalfCircle, MeridianGrid, Profile
+from celltrain.harmonics import Profile
+from celltrain.meridian.grids import HalfCircle, MeridianGrid
 from celltrain.meridian.kernels import (
     EVEN,
     ODD,
@@ -29,9 +30,9 @@ class ImageMoments:
     def __init__(
         self,
         sources: MeridianGrid,
-        integrals: Float[np.ndarray, "field target"],
-        even: Float[np.ndarray, "order field target theta"],
-        odd: Float[np.ndarray, "order field target theta"],
+        integrals: Float[np.ndarray, "even_field target"],
+        even: Float[np.ndarray, "order even_field target theta"],
+        odd: Float[np.ndarray, "order odd_field target theta"],
     ) -> None:
         self.integrals = integrals
         self._sources = sources
@@ -109,10 +110,7 @@ def _image(
     for first in range(0, len(z), step):
         group = slice(first, first + step)
         shape = (3, len(z[group]), weights.size)
-        here, there = (
-            np.broadcast_to(points[:, None], shape),
-            np.broadcast_to(content[:, None], shape),
-        )
+        here, there = (np.broadcast_to(each[:, None], shape) for each in (points, content))
         even, odd = (np.empty((len(each), *shape[1:])) for each in names)
         kernel(rho[group], z[group], here, there, weights, even, odd)
         reduced = [

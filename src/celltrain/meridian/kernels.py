@@ -10,6 +10,8 @@ component is even or odd in the longitude of the source: G and T have nine even 
 ones, K four and two.
 """
 
+from typing import no_type_check
+
 import numpy as np
 from jaxtyping import Float
 from numba import njit
@@ -21,6 +23,7 @@ ODD = ("Gxy", "Gyz", "Txy", "Tyx", "Tyz", "Tzy")
 STRESS_EVEN = ("Kxx", "Kxz", "Kzz", "Kyy")
 STRESS_ODD = ("Kxy", "Kyz")
 
+Meridian = Float[np.ndarray, " point"]
 Points = Float[np.ndarray, "3 target source"]
 Fields = Float[np.ndarray, "field target source"]
 
@@ -28,7 +31,16 @@ _OPTIONS = {"fastmath": True, "cache": True, "error_model": "numpy"}
 
 
 @njit(**_OPTIONS)
-def force_fields(rho, z, points, forces, weights, even, odd):  # type: ignore[no-untyped-def]
+@no_type_check
+def force_fields(
+    rho: Meridian,
+    z: Meridian,
+    points: Points,
+    forces: Points,
+    weights: Meridian,
+    even: Fields,
+    odd: Fields,
+) -> None:
     """Fill the fields of G and T, times the weights of the sources.
 
     **Arguments:** `rho`, `z` [target]; `points`, `forces` [3, target, source], Cartesian;
@@ -66,7 +78,16 @@ def force_fields(rho, z, points, forces, weights, even, odd):  # type: ignore[no
 
 
 @njit(**_OPTIONS)
-def stress_fields(rho, z, points, normals, weights, even, odd):  # type: ignore[no-untyped-def]
+@no_type_check
+def stress_fields(
+    rho: Meridian,
+    z: Meridian,
+    points: Points,
+    normals: Points,
+    weights: Meridian,
+    even: Fields,
+    odd: Fields,
+) -> None:
     """Fill the fields of K, times the weights of the sources.
 
     **Arguments:** as `force_fields`, with n dS/dOmega in place of the forces; `even` [4, target,

@@ -2,7 +2,7 @@
 
 A kernel acts on the members of an azimuthal number through the moments of its fields,
 
-    C_ij(o, n) = sum K_ij P_no cos(o phi')  (even fields),   S_ij(o, n) the same with sin (odd ones),
+    C_ij(o, n) = sum K_ij P_no cos(o phi')  (even fields),   S_ij(o, n) the same with sin (odd),
 
 over the sources. With a field's amplitudes as in `harmonics.azimuthal`, the velocity at phi = 0 is
 
@@ -21,7 +21,7 @@ from jaxtyping import Float
 from celltrain.harmonics.azimuthal import member_count
 
 #: Moments of even or odd fields for one order, by field, target and degree.
-Moments = Float[np.ndarray, "field target degree"]
+Moments = Float[np.ndarray, "_ target degree"]
 #: Velocity amplitudes R, Phi, Z at the targets for each member.
 MemberMatrix = Float[np.ndarray, "target 3 member"]
 

@@ -15,9 +15,10 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
+from celltrain.harmonics import Profile
 from celltrain.harmonics.legendre import legendre_tables
 from celltrain.harmonics.meridian_rotation import meridian_rotation
-from celltrain.meridian.grids import HalfCircle, MeridianGrid, Profile, meridian_grid
+from celltrain.meridian.grids import HalfCircle, MeridianGrid, meridian_grid
 from celltrain.meridian.kernels import (
     EVEN,
     ODD,

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from celltrain.meridian.grids import Profile, meridian_grid
+from celltrain.harmonics import Profile
+from celltrain.meridian.grids import meridian_grid
 
 #: Relative error of the parts of the flow that is aimed at.
 TOLERANCE = 1e-8

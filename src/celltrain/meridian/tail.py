@@ -2,8 +2,7 @@
 
 With 1/|d| = int J_0(lam rho) e^{-lam |dz|} dlam the images |p| > P are sums over nodes lam. For
 each lam and direction (up: images above the target, E = e^{-lam z'}; down: images below, E =
-e^{lam z'}) the sources enter by four moments: of the amplitudes of azimuthal number m, F_+- = R +-
-Phi,
+e^{lam z'}) the sources enter by four moments of their amplitudes of azimuthal number m,
 
     a = J_m Z E,   b+- = J_{m+-1} (R +- Phi) E,   gamma = a -/+ sigma (up/down), zeta = z' gamma,
 
@@ -12,7 +11,7 @@ sigma = (b- - b+)/2. One image at the axial distance s has the velocity
     u_z = e^{-lam s} J_m [a + lam s gamma],
     u_+- = e^{-lam s} J_{m+-1} [2 b+- +- sigma -(up)/+(down) (+-) lam s gamma],
 
-and the sum over p > P, with e = e^{+-iq - lam L} and f = e^{P+1}, replaces 1 by G0 = f/(1 - e) and s
+and the sum over |p| > P, with e = e^{+-iq - lam L} and f = e^{P+1}, replaces 1 by G0 = f/(1 - e), s
 gamma by G1 L gamma +(up)/-(down) G0 (zeta - z_t gamma), G1 = f ((P + 1) - P e)/(1 - e)^2.
 Prefactor 1/8 pi. The moments serve all q.
 """
@@ -22,7 +21,7 @@ from jaxtyping import Complex, Float
 
 from celltrain.meridian import functionals
 from celltrain.meridian.bessel import bessel_j
-from celltrain.meridian.grids import Meridian
+from celltrain.meridian.grids import Amplitudes, Meridian
 
 #: Gauss points in each of the panels, which double in length away from 0.
 PANEL_POINTS = 12
@@ -30,6 +29,7 @@ PANEL_POINTS = 12
 MARGIN = 1.3
 
 Moments = Float[np.ndarray, "direction moment node member"]
+Targets = Float[np.ndarray, " target"]
 Velocity = Complex[np.ndarray, "target 3 member"]
 
 
@@ -49,7 +49,7 @@ class Tail:
         smallest_phase: float,
         tolerance: float,
         sources: tuple[Meridian, Meridian],
-        targets: tuple[Meridian, Meridian],
+        targets: tuple[Targets, Targets],
         orders: int,
     ) -> None:
         self.period, self.nearest = period, nearest
@@ -70,15 +70,15 @@ class Tail:
         self,
         m: int,
         force: tuple[Meridian, Meridian],
-        displacements: Float[np.ndarray, "3_point member"],
-        forces: Float[np.ndarray, "3_point member"],
+        displacements: Amplitudes,
+        forces: Amplitudes,
     ) -> Moments:
         """Moments of changed forces and places of the sources (as in `WallFlow.of_forces`)."""
         value, radial, axial, _ = self._functionals(m)
         moved = functionals.moved(value, radial, axial, m, self._rho, force)
         return self._products(value, forces) + self._products(moved, displacements)
 
-    def of_resting_forces(self, m: int, forces: Float[np.ndarray, "3_point member"]) -> Moments:
+    def of_resting_forces(self, m: int, forces: Amplitudes) -> Moments:
         """Moments of forces at unmoved places."""
         return self._products(self._functionals(m)[0], forces)
 
@@ -86,7 +86,7 @@ class Tail:
         self,
         m: int,
         area: tuple[Meridian, Meridian],
-        displacements: Float[np.ndarray, "3_point member"],
+        displacements: Amplitudes,
     ) -> Moments:
         """Moments of the double layer of displacements of the sources."""
         value, radial, axial, pressure = self._functionals(m)
@@ -131,10 +131,11 @@ class Tail:
     def velocity(self, m: int, phase: float, moments: Moments) -> Velocity:
         """The velocity at the targets."""
         matrices, _ = self._matrices(m)
-        return sum(
+        up, down = (
             self._applied(matrix, *self._summed(direction, phase, moments))
             for direction, matrix in enumerate(matrices)
         )
+        return up + down
 
     def gradient(self, m: int, phase: float, moments: Moments) -> tuple[Velocity, Velocity]:
         """Its derivatives in r and z at the targets."""
@@ -202,7 +203,7 @@ class Tail:
 
 
 def _near_orders(
-    m: int, table: Float[np.ndarray, "order node point"], nodes: Meridian
+    m: int, table: Float[np.ndarray, "order node point"], nodes: Float[np.ndarray, " node"]
 ) -> tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]:
     """J_{m-1}, J_m and J_{m+1} of lam r, and their derivatives in r."""
 

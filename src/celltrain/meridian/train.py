@@ -8,7 +8,8 @@ About it, with the force's change dF = -H_m dx of the members of azimuthal numbe
 
 U_G the velocities of changed forces, U_D those of forces that move along with their surface, and
 grad u the gradient of the steady flow in which the targets move. On the cell's own surface the last
-two are weakly singular together: what the own kernel makes of constants is part of grad u. For m = 0
+two are weakly singular together: what the own kernel makes of constants is part of grad u.
+For m = 0
 
     A <- A - n n^T A/nn - ((n.u)/nn) V'' - n (u^T V'')/nn + 2 (n.u)/nn^2 n (n^T V''),
 
@@ -25,7 +26,7 @@ from jaxtyping import Complex, Float
 from celltrain.harmonics import Profile
 from celltrain.membrane.axisymmetric import AxisymmetricMembrane
 from celltrain.meridian import flow_rate
-from celltrain.meridian.grids import HalfCircle, Meridian, MeridianGrid, meridian_grid
+from celltrain.meridian.grids import Amplitudes, HalfCircle, Meridian, MeridianGrid, meridian_grid
 from celltrain.meridian.images import ImageMoments, force_image
 from celltrain.meridian.moments import SINGLE, SLOPE, MemberMatrix, member_matrix
 from celltrain.meridian.own_surface import OwnMoments, force_moments, own_rule
@@ -73,8 +74,8 @@ class TrainFlow:
     """The flow about one shape of the cells of a train, viscosities inside and outside equal.
 
     **Arguments:** `membrane` of the cells; `profile`: their shape; `radius` of the tube and
-    `period` of one cell, r0; `rules`; `orders`: largest azimuthal number that will be asked for;
-    `smallest_phase`: smallest q > 0, radians.
+    `period` of one cell, r0; `rules`; `largest_azimuthal_number` and `smallest_phase` (q > 0,
+    radians) that will be asked for.
     """
 
     def __init__(
@@ -183,7 +184,7 @@ class TrainFlow:
     @cached_property
     def _flow(self) -> tuple[Float[np.ndarray, "target 3"], Gradient, float]:
         """Velocity at the targets, its gradient there for moving targets, and q0."""
-        (z, rho), radius = self.places, self.radius
+        (_, rho), radius = self.places, self.radius
         force = np.concatenate([self.force[0], self.force[1][1:], np.zeros(self.degree - 1)])
         on_sources = (self.sources.sources(0) @ force)[:, None]
         velocity = member_matrix(self.own.at, SINGLE, 0) @ force
@@ -280,7 +281,7 @@ class TrainFlow:
         return -(single @ hessian) - member_matrix(part.at, SLOPE, m)
 
     def _held(
-        self, displaced: np.ndarray, forced: np.ndarray
+        self, displaced: Amplitudes, forced: Amplitudes
     ) -> Float[np.ndarray, "target member"]:
         """The parabola that holds the flow rate."""
         change = flow_rate.extra_flux_change(

@@ -1,7 +1,7 @@
 """The tube's wall, wave by wave.
 
-In free space around it the cells' flow, periodic along the tube, is on the wall r = a a sum of waves
-k = (2 pi i + q)/L. The regular flow with that boundary value is taken from it:
+In free space the cells' flow, periodic along the tube, is a sum of waves k = (2 pi j + q)/L on the
+wall, at the radius a. The regular flow with that boundary value is taken from it:
 
     u = -(1/4 pi L) sum_k e^{ikz} N(r) W sum e^{-ikz'} N(r')^T f,
 
@@ -9,7 +9,7 @@ N(r) the flow inside from unit velocities on the wall, W the velocity on the wal
 force (see `wall_response`); by reciprocity N(r')^T is also what forces inside are on the wall. With
 Z = i sign(k) Z' both are real, and real and imaginary parts of the sums are rows of their own:
 
-    e^{-ikz}(R, Phi, Z') -> (cos R, cos Phi, -s sin Z) + i (-sin R, -sin Phi, -s cos Z),  s = sign k.
+    e^{-ikz}(R, Phi, Z') -> (cos R, cos Phi, -s sin Z) + i (-sin R, -sin Phi, -s cos Z), s = sign k.
 
 k_max = -log(tolerance)/(2 clearance). At q = 0 the wave k = 0 is there, too.
 """
@@ -22,7 +22,7 @@ from jaxtyping import Complex, Float
 
 from celltrain.meridian import functionals
 from celltrain.meridian.bessel import bessel_i, bessel_k
-from celltrain.meridian.grids import Meridian
+from celltrain.meridian.grids import Amplitudes, Meridian
 from celltrain.meridian.wall_response import (
     response,
     ring_velocity,
@@ -34,13 +34,15 @@ from celltrain.meridian.wall_response import (
 UNIFORM = 1e-12
 
 Sums = Float[np.ndarray, "part wave wall member"]
+Functionals = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True)
 class WallWaves:
     """The waves of one phase q, with the Bessel functions at all places.
 
-    `places` are distances from the axis and axial positions of the sources, then of the targets.
+    `rho` and `z` are distances from the axis and axial positions of the places: of the sources,
+    whose number is `sources`, then of the targets. Bessel functions are made below `orders`.
     """
 
     phase: float
@@ -85,7 +87,7 @@ class WallWaves:
         return inside, on_wall, bessel_k(size * self.radius, self.orders)
 
     def response(self, m: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """N, dN/dr, [wave, wall, 3, place], and the pressure of its columns, [wave, wall, place]."""
+        """N, dN/dr [wave, wall, 3, place] and the pressure of its columns [wave, wall, place]."""
         size, place = self._half
         inside, on_wall, _ = self._bessel
         found = response(m, size, self.radius, self.rho, inside, on_wall)
@@ -132,7 +134,7 @@ class WallFlow:
         imaginary[:, :, 2] = -sign * cosine * values[:, :, 2]
         return real, imaginary
 
-    def _functionals(self) -> tuple[tuple[np.ndarray, ...], ...]:
+    def _functionals(self) -> tuple[Functionals, Functionals]:
         """(value, slope in r, slope in z) of the real and of the imaginary rows."""
         value, slope, _ = self._response
         (real, imaginary), (real_r, imaginary_r) = self._rows(value), self._rows(slope)
@@ -143,8 +145,8 @@ class WallFlow:
     def of_forces(
         self,
         force: tuple[Meridian, Meridian],
-        displacements: Float[np.ndarray, "3_point member"],
-        forces: Float[np.ndarray, "3_point member"],
+        displacements: Amplitudes,
+        forces: Amplitudes,
     ) -> Sums:
         """What changed forces and places of the sources are on the wall.
 
@@ -158,7 +160,7 @@ class WallFlow:
             sums.append(_flat(rows[0]) @ forces + _flat(moved) @ displacements)
         return self._shaped(sums)
 
-    def of_resting_forces(self, forces: Float[np.ndarray, "3_point member"]) -> Sums:
+    def of_resting_forces(self, forces: Amplitudes) -> Sums:
         """What forces at unmoved places are on the wall."""
         value, *_ = self._response
         return self._shaped([_flat(rows) @ forces for rows in self._rows(value)])
@@ -166,7 +168,7 @@ class WallFlow:
     def of_stresses(
         self,
         area: tuple[Meridian, Meridian],
-        displacements: Float[np.ndarray, "3_point member"],
+        displacements: Amplitudes,
     ) -> Sums:
         """What the double layer of displacements of the sources is on the wall."""
         here = slice(None, self._waves.sources)
@@ -194,9 +196,8 @@ class WallFlow:
         k = self._k[:, None, None]
         # d/dz: times ik.
         turned = np.stack([-k * sums[1], k * sums[0]])
-        return self._at_targets(self._response[1], sums), self._at_targets(
-            self._response[0], turned
-        )
+        value, slope, _ = self._response
+        return self._at_targets(slope, sums), self._at_targets(value, turned)
 
     def _at_targets(self, response: np.ndarray, sums: Sums) -> np.ndarray:
         there = slice(self._waves.sources, None)

@@ -10,17 +10,22 @@ Brenner 1983), m > 0:
 the last with the pressure 2 |k| I_m, and for m = 0: (I_1, 0, I_0), (0, I_1, 0), (x I_2, 0, x I_1).
 N(r) is the flow of unit velocities on the wall: the three in columns, times the inverse at X.
 
-W is the velocity on the wall of unit rings of force on the wall, in free space, less the factor
-2/L ...: with f_+- = R +- Phi, I and K of X, Z' as third,
+W is the velocity on the wall of waves of force f on the wall, in free space,
+
+    W f = (1/4 pi) int G f exp(i (m phi + k z)) dphi dz      at phi = z = 0,
+
+a symmetric matrix. With f_+- = R +- Phi, (f_1, f_2, f_3) = (f_+, f_-, f_Z'), and I and K of X,
 
     A = (X I_m - m I_{m+1}, X I_m + m I_{m-1}, X I_m'),   B = (I_{m+1}, I_{m-1}, I_m),
-    w = (1/2, 1/2, 1),     H = w (A K_m + B X K_m')/|k|,
-    u_- -like D- = w (-A K_{m+1} + B (X K_m + m K_{m+1})),   D+ = w (-A K_{m-1} + B (X K_m - m K_{m-1})),
-    u_+ = D-.f + 2 K_{m+1} I_{m+1} f_+,   u_- = D+.f + 2 K_{m-1} I_{m-1} f_-,
-    u_Z' = |k| H.f + 2 K_m I_m f_Z'.
+    w = (1/2, 1/2, 1),
+    u_+  = sum_j w_j f_j (-A_j K_{m+1} + B_j (X K_m + m K_{m+1})) + 2 K_{m+1} I_{m+1} f_+,
+    u_-  = sum_j w_j f_j (-A_j K_{m-1} + B_j (X K_m - m K_{m-1})) + 2 K_{m-1} I_{m-1} f_-,
+    u_Z' = sum_j w_j f_j (A_j K_m + B_j X K_m') + 2 K_m I_m f_Z'.
 
 For k = 0 flows are powers of x = r/a, and there is no net force: any constant serves for log r.
 """
+
+from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
@@ -66,14 +71,12 @@ def uniform_response(
     low, high = x ** (m - 1), x ** (m + 1)
     low_slope = (m - 1) * x ** max(m - 2, 0) / radius
     high_slope = (m + 1) * x**m / radius
-    # Columns (1, -1) r^{m-1} and (1, -ratio) r^{m+1}, with the pressure 4 (m + 1)/m r^m of the last.
+    # (1, -1) r^{m-1}, and (1, -ratio) r^{m+1} with the pressure 4 (m + 1)/m r^m.
     inverse = np.linalg.inv(np.array([[1.0, 1.0], [-1.0, -ratio]]))
     for wall in range(2):
         first, second = inverse[:, wall]
-        value[wall, 0], value[wall, 1] = (
-            first * low + second * high,
-            -first * low - (ratio * second * high),
-        )
+        value[wall, 0] = first * low + second * high
+        value[wall, 1] = -first * low - ratio * second * high
         slope[wall, 0] = first * low_slope + second * high_slope
         slope[wall, 1] = -first * low_slope - ratio * second * high_slope
         pressure[wall] = 4.0 * (m + 1) / m * x**m / radius * second
@@ -109,11 +112,8 @@ def ring_velocity(
     axial[2] += 2.0 * k_m * i_m
     found = np.empty((wave.size, 3, 3))
     for row, each in enumerate((0.5 * (plus + minus), 0.5 * (plus - minus), axial)):
-        found[:, row, 0], found[:, row, 1], found[:, row, 2] = (
-            each[0] + each[1],
-            each[0] - each[1],
-            each[2],
-        )
+        found[:, row, 0], found[:, row, 1] = each[0] + each[1], each[0] - each[1]
+        found[:, row, 2] = each[2]
     return found
 
 
@@ -141,7 +141,8 @@ def uniform_ring_velocity(m: int) -> Float[np.ndarray, "1 3 3"]:
 
 
 @njit(**_OPTIONS)
-def _flows(m, x, low, mid, high, top, flow):  # type: ignore[no-untyped-def]
+@no_type_check
+def _flows(m, x, low, mid, high, top, flow):
     """The three regular flows in columns, from I_{m-1}, I_m, I_{m+1} and I_{m+2}."""
     if m == 0:
         flow[0, 0], flow[0, 1], flow[0, 2] = high, 0.0, x * top
@@ -154,7 +155,8 @@ def _flows(m, x, low, mid, high, top, flow):  # type: ignore[no-untyped-def]
 
 
 @njit(**_OPTIONS)
-def _flow_slopes(m, x, low, mid, high, top, flow):  # type: ignore[no-untyped-def]
+@no_type_check
+def _flow_slopes(m, x, low, mid, high, top, flow):
     """Their derivatives in x."""
     low_slope = mid + (m - 1) * low / x
     mid_slope = high + m * mid / x
@@ -172,7 +174,8 @@ def _flow_slopes(m, x, low, mid, high, top, flow):  # type: ignore[no-untyped-de
 
 
 @njit(**_OPTIONS)
-def _inverse(matrix, found):  # type: ignore[no-untyped-def]
+@no_type_check
+def _inverse(matrix, found):
     """The inverse of a 3 x 3 matrix, its columns scaled first."""
     scale = np.empty(3)
     for j in range(3):
@@ -193,7 +196,8 @@ def _inverse(matrix, found):  # type: ignore[no-untyped-def]
 
 
 @njit(**_OPTIONS)
-def _fill_response(m, wave, radius, places, inside, on_wall, value, slope, pressure):  # type: ignore[no-untyped-def]
+@no_type_check
+def _fill_response(m, wave, radius, places, inside, on_wall, value, slope, pressure):
     low = abs(m - 1)
     at_wall, inverse = np.empty((3, 3)), np.empty((3, 3))
     flow, change = np.empty((3, 3)), np.empty((3, 3))

@@ -16,9 +16,9 @@ part along the gradient of the volume, which makes it shorter but gives them the
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from jaxtyping import Complex, Float
 
 from celltrain.harmonics import azimuthal_basis, real_harmonics
@@ -27,6 +27,9 @@ from celltrain.stability.coordinates import normed_block
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import Norm, OrthonormalNorm
 from celltrain.stability.result import Mode, Stability
+
+if TYPE_CHECKING:
+    import xarray
 
 Meridian = Float[np.ndarray, " point"]
 
@@ -58,8 +61,9 @@ class StructuralSensitivity:
         """Integral of the sensitivity over the sphere: 1 for a normal mode, more otherwise."""
         return float(np.trapezoid(2.0 * np.pi * np.sin(self.theta) * self.sensitivity, self.theta))
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_dataset(self) -> "xarray.Dataset":
         """The curves over theta as a data set with units, ready for netCDF."""
+        import xarray as xr
 
         def curve(values: Meridian, unit: str, name: str) -> xr.Variable:
             return xr.Variable("theta", values, {"long_name": name, "units": unit})

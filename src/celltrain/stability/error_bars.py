@@ -17,8 +17,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy  # loads its parts when they are used
 from jaxtyping import Complex, Float
-from scipy.optimize import linear_sum_assignment
 
 from celltrain.harmonics import azimuthal_families
 from celltrain.parameters import CaseError
@@ -155,7 +155,7 @@ def _paired(
     overlaps: Float[np.ndarray, "mode eigenvalue"] = np.abs(
         np.stack(vectors) @ spectrum.left[:, free].conj()
     )
-    rows, columns = linear_sum_assignment(-overlaps)
+    rows, columns = scipy.optimize.linear_sum_assignment(-overlaps)
     values = spectrum.eigenvalues[free]
     return {
         modes[int(row)]: (complex(values[column]), float(overlaps[row, column]))

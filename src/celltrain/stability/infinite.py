@@ -18,13 +18,14 @@ The growth rate's maximum is sought about the best samples, by bounded optimisat
 alpha_m(q).
 """
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.optimize
-import xarray as xr
+import scipy  # loads its parts when they are used
 from jaxtyping import Complex, Float
 
 from celltrain.parameters import CaseError, Train
@@ -44,6 +45,9 @@ from celltrain.steady import Base
 from celltrain.steady.base import IterationProgress
 from celltrain.steady.degree import Convergence
 from celltrain.steady.solve import with_velocity_error
+
+if TYPE_CHECKING:
+    import xarray
 
 SAMPLES = 17
 #: Smallest phase but 0 for which the dynamics is accurate.
@@ -104,8 +108,10 @@ class InfiniteTrain:
         """Imaginary part of the leading eigenvalue of A_m(q); the phase moves at -this/q."""
         return np.array([mode.frequency for mode in self.leading[m]])
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_dataset(self) -> "xarray.Dataset":
         """Curves and optimum as a data set with units, ready for netCDF."""
+        import xarray as xr
+
         numbers = self.azimuthal_numbers
         dims = ("azimuthal", "phase")
         best = self.most_unstable
@@ -200,7 +206,9 @@ def infinite_train(
     convergence = ladder.resolved(
         accuracy, estimate_error=estimate_error, iteration=iteration, tell=tell
     )
-    base = with_velocity_error(ladder.base(convergence.degree))
+    base = ladder.base(convergence.degree)
+    if math.isnan(base.velocity_error):
+        base = with_velocity_error(base)
     dynamics = LinearDynamics(
         base, largest_azimuthal_number=max(numbers), smallest_phase=smallest(samples)
     )

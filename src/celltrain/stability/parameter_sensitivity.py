@@ -23,9 +23,9 @@ Close to a multiple one, where l^H r of unit vectors vanishes, the derivative be
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from jaxtyping import Complex
 
 from celltrain.harmonics import Profile, profile_of
@@ -40,6 +40,9 @@ from celltrain.steady.parameters import check_parameters, parameter_value, param
 from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.sensitivity import BaseSensitivity, base_sensitivities
 from celltrain.steady.varied import VariedTrain
+
+if TYPE_CHECKING:
+    import xarray
 
 Vector = Complex[np.ndarray, " size"]
 
@@ -71,8 +74,10 @@ class ParameterSensitivities:
     mode: WaveMode
     entries: dict[str, ParameterSensitivity]
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_dataset(self) -> "xarray.Dataset":
         """All derivatives as a data set, ready for netCDF; parameters in r0, mu U and mu U r0^2."""
+        import xarray as xr
+
         entries = self.entries.values()
 
         def column(values: list[float], unit: str, name: str) -> xr.Variable:

@@ -18,8 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
-import scipy.optimize
+import scipy  # loads its parts when they are used
 from jaxtyping import Complex, Float
 
 from celltrain.parameters import CaseError

@@ -12,8 +12,7 @@ disturbances are orthogonal, so the largest G of a train is that of one of its b
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
-import scipy.optimize
+import scipy  # loads its parts when they are used
 from jaxtyping import Complex, Float
 
 from celltrain.parameters import CaseError

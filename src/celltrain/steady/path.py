@@ -8,6 +8,7 @@ method; a step that fails is halved, one that took few corrections is followed b
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from celltrain.harmonics import Profile
 from celltrain.parameters import Train
@@ -101,7 +102,7 @@ def between(begin: Train, end: Train, place: float) -> Train:
     return end.changed(**changes)
 
 
-def change_degree(profile: Profile, degree: int) -> Profile:
+def change_degree(profile: Profile, degree: int) -> Float[np.ndarray, "2 other"]:
     """A profile cut or padded with zeros to another degree."""
     changed = np.zeros((2, degree))
     count = min(degree, profile.shape[1])

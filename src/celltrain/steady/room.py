@@ -4,12 +4,12 @@ A membrane keeps its area nearly, and its volume exactly. Of all shapes of area 
 cylinder with two half spheres passes the narrowest tube (Canham & Burton 1968), whose radius r is
 the smallest root of
 
-    A r/2 - (2/3) pi r^3 = V.
+    A r/2 - (2/3) pi r^3 = V,    r = 2 s sin(arcsin(3 V/(4 pi s^3))/3),
+
+s = sqrt(A/(4 pi)) the radius of the sphere of that area.
 """
 
 import math
-
-from scipy.optimize import brentq
 
 from celltrain.membrane import meridian_membrane
 from celltrain.parameters import CaseError, Train
@@ -18,14 +18,11 @@ from celltrain.parameters import CaseError, Train
 def least_diameter(area: float, volume: float) -> float:
     """Diameter of the narrowest tube that a cell of this area and volume passes, in r0."""
     sphere = math.sqrt(area / (4.0 * math.pi))
-
-    def missing(r: float) -> float:
-        return 0.5 * area * r - 2.0 / 3.0 * math.pi * r**3 - volume
-
-    # A sphere has no area to spare: the two roots meet there, up to rounding.
-    if missing(sphere) <= 1e-12 * volume:
+    reduced_volume = volume / (4.0 / 3.0 * math.pi * sphere**3)
+    # A sphere has no area to spare: two roots meet there, up to rounding.
+    if reduced_volume >= 1.0 - 1e-12:
         return 2.0 * sphere
-    return 2.0 * float(brentq(missing, 0.0, sphere))
+    return 4.0 * sphere * math.sin(math.asin(reduced_volume) / 3.0)
 
 
 def check_room(train: Train) -> None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from celltrain.clock import timed
-from celltrain.harmonics import coefficients_of
+from celltrain.harmonics import coefficients_of, profile_of
 from celltrain.meridian.geometry import largest_radius, streamwise_gap
 from celltrain.parameters import Train
 from celltrain.steady.base import Base, IterationProgress, NotConverged
@@ -145,9 +145,12 @@ def describe(problem: SteadyProblem, iterated: Iterated, origin: str) -> Base:
     state, train = iterated.state, problem.train
     profile = state.profile.copy()
     profile[0, 0] = 0.0
+    coefficients = coefficients_of(profile)
+    # As the result will give it again, to the last bit.
+    profile = profile_of(coefficients)
     return Base(
         train=train,
-        coefficients=coefficients_of(profile),
+        coefficients=coefficients,
         cell_velocity=state.cell_velocity,
         gap=streamwise_gap(profile, train.period),
         largest_radius=largest_radius(profile),

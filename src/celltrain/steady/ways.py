@@ -15,7 +15,7 @@ from celltrain.meridian.geometry import clearance, size_at_rest
 from celltrain.parameters import Train
 from celltrain.steady.base import Iteration, IterationProgress
 from celltrain.steady.degree import DEGREES
-from celltrain.steady.iterate import march, newton
+from celltrain.steady.iterate import ROUNDING, Iterated, march, newton
 from celltrain.steady.path import Followed, change_degree, follow
 from celltrain.steady.problem import SteadyProblem
 
@@ -69,7 +69,10 @@ class Ways:
         same = train
         if begin.degree != train.degree:
             same = train.changed(degree=begin.degree, **_no_sizes())
-        start = _known(begin, profile)
+
+        def start() -> Followed:
+            return self._begun(begin, profile)
+
         ways: list[tuple[Callable[[], Followed], str]] = [
             (lambda: self._raised(self._along(start(), same), train), origin)
         ]
@@ -95,10 +98,23 @@ class Ways:
         assert before is not None
         return before, origin
 
-    def _march(self, train: Train) -> Followed:
+    def _begun(self, train: Train, profile: Profile) -> Followed:
+        """A train that is known; the march goes on if it was cut short before it was steady."""
+        problem = SteadyProblem(train)
+        state = problem.state(profile)
+        if state.error < ROUNDING:
+            return Followed(problem, Iterated(state, (), "steady"), True)
+        return self._march(train, profile)
+
+    def _march(self, train: Train, profile: Profile | None = None) -> Followed:
+        """From a shape, that at rest if none is given."""
         problem = SteadyProblem(train)
         found = march(
-            problem, problem.rest, tolerance=self.tolerance, most=self.left, progress=self.progress
+            problem,
+            problem.rest if profile is None else profile,
+            tolerance=self.tolerance,
+            most=self.left,
+            progress=self.progress,
         )
         return self._counted(Followed(problem, found, found.steady))
 
@@ -108,7 +124,6 @@ class Ways:
         if not begun.complete:
             return begun
         if _alike(begin, end):
-            # The start may be a state that was not steady yet.
             return self._corrected(begun, end)
         followed = follow(
             begin,
@@ -178,17 +193,6 @@ def describe_change(old: Train, new: Train) -> str:
 def _has_room(train: Train) -> bool:
     rest = SteadyProblem(train).rest
     return clearance(rest, train.period, train.radius) > ROOM
-
-
-def _known(train: Train, profile: Profile) -> Callable[[], Followed]:
-    """A train that is known, as the beginning of a way."""
-
-    def begin() -> Followed:
-        problem = SteadyProblem(train)
-        found = newton(problem, profile, tolerance=1.0, most=0)
-        return Followed(problem, found, found.steady)
-
-    return begin
 
 
 def _degrees_between(begin: Train, end: Train) -> Iterator[Train]:

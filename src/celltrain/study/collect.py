@@ -25,6 +25,7 @@ NUMBERS = (
     "velocity_error",
     "spectral_abscissa",
     "error_estimate",
+    "taken_degree",
     "leading_azimuthal_number",
     "leading_wave_number",
     "leading_frequency",
@@ -40,6 +41,7 @@ NUMBERS = (
 COLUMNS = (
     ("alpha, U/r0", "spectral_abscissa", ".2e"),
     ("its error", "error_estimate", ".0e"),
+    ("M", "taken_degree", ".0f"),
     ("m", "leading_azimuthal_number", ".0f"),
     ("j", "leading_wave_number", ".0f"),
     ("eta, U/r0", "numerical_abscissa", ".3f"),

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 from celltrain.diagnostics import mode_motion
 from celltrain.parameters import CaseError, Train
 from celltrain.stability import Stability, stability
-from celltrain.steady import Base, NotConverged, steady
+from celltrain.steady import Base, NotConverged
 from celltrain.study.definition import Computed
 
 
@@ -37,7 +37,7 @@ class Computation(Protocol):
 
 @dataclass(frozen=True)
 class StabilityOfCase:
-    """The steady train and its linear stability."""
+    """The steady train and its linear stability; the degree rises where a case has none."""
 
     computed: Computed
 
@@ -51,18 +51,19 @@ class StabilityOfCase:
 
         **Raises:** `NotConverged` or `CaseError` if no steady train was found.
         """
-        base = self._steady(train, start)
-        result = stability(base, estimate_error=self.computed.estimate_error)
-        return Outcome(base, values_of(result))
+        result = self._stability(train, start)
+        return Outcome(result.base, values_of(result))
 
-    def _steady(self, train: Train, start: Base | None) -> Base:
+    def _stability(self, train: Train, start: Base | None) -> Stability:
+        """From where the study says, or else from the other place."""
         first, second = (None, start) if self.computed.start == "rest" else (start, None)
+        estimate = self.computed.estimate_error
         try:
-            return steady(train, start=first)
+            return stability(train, start=first, estimate_error=estimate)
         except (NotConverged, CaseError):
             if start is None:
                 raise
-            return steady(train, start=second)
+            return stability(train, start=second, estimate_error=estimate)
 
 
 def values_of(result: Stability) -> dict[str, float]:
@@ -85,6 +86,7 @@ def values_of(result: Stability) -> dict[str, float]:
         "velocity_error": base.velocity_error,
         "spectral_abscissa": result.spectral_abscissa,
         "error_estimate": result.error_estimate,
+        "taken_degree": float(base.train.degree),
         "leading_azimuthal_number": float(leading.azimuthal_number),
         "leading_wave_number": float(leading.wave_number),
         "leading_frequency": leading.frequency,

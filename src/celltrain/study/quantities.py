@@ -3,6 +3,7 @@
 from celltrain.results import QUANTITIES, Quantity
 
 _OF_CASES = (
+    Quantity("taken_degree", "M", "1", "degree of the shapes, given or as the accuracy asks for"),
     Quantity("leading_azimuthal_number", "m", "1", "azimuthal number of the leading mode"),
     Quantity("leading_wave_number", "j", "1", "wave number j of q = 2 pi j/N of the leading mode"),
     Quantity("leading_frequency", r"\omega", "U/r0", "frequency of the leading mode"),

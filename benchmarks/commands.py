@@ -1,0 +1,113 @@
+"""Whole commands, measured from outside: from the start of the process to its end."""
+
+import math
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from measuring import summarised
+
+CASE = ("--diameter", "6", "--packing", "0.2", "--cells", "8")
+STABILITY = ("stability", *CASE, "--degree", "12", "--json")
+# Where the folder that a command may fill goes among its arguments.
+FOLDER = "{folder}"
+STUDY = "{folder}/study.toml"
+TWO_WORKERS = ("-o", f"{FOLDER}/results", "--workers", "2", "--quiet")
+
+
+@dataclass(frozen=True)
+class Command:
+    """Arguments of the command line, and what is there when it starts.
+
+    `compiled` says whether what earlier runs compiled is; `study` that the paper's map is, without
+    its degree, as study.toml in the command's folder; `repeated` that a first run goes before those
+    that are measured.
+    """
+
+    arguments: Sequence[str]
+    compiled: bool = True
+    study: bool = False
+    repeated: bool = True
+
+
+COMMANDS = {
+    "command": Command(STABILITY),
+    "command.accurate": Command(("stability", *CASE, "--json")),
+    "command.empty": Command(STABILITY, compiled=False, repeated=False),
+    "command.infinite": Command(("stability", "--infinite", *CASE, "--degree", "12", "--json")),
+    "command.help": Command(("--help",)),
+    "map": Command(("paper", "fig6", *TWO_WORKERS), repeated=False),
+    "map.accurate": Command(("sweep", STUDY, *TWO_WORKERS), study=True, repeated=False),
+}
+
+
+def measure_command(command: Command, runs: int) -> dict[str, float]:
+    """Seconds and memory of `runs` runs of a command, each in a folder of its own.
+
+    `first_seconds` is what a first run takes beyond the others, not a number if there is none;
+    `peak_mib` the largest memory of a single process.
+
+    **Raises:** `SystemExit` with the command's messages if it fails.
+    """
+    if command.compiled and not command.repeated:
+        # What is compiled is to be there.
+        _run(Command(STABILITY))
+    measured = [_run(command) for _ in range(runs + command.repeated)]
+    seconds = [each[0] for each in measured]
+    peak = max(each[1] for each in measured)
+    if command.repeated:
+        return summarised(seconds, peak)
+    return {
+        "seconds": statistics.median(seconds),
+        "first_seconds": math.nan,
+        "peak_mib": peak,
+    }
+
+
+def _run(command: Command) -> tuple[float, float]:
+    """Seconds and MiB of one run."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        tempfile.TemporaryFile() as output,
+        tempfile.TemporaryFile() as errors,
+    ):
+        if command.study:
+            Path(STUDY.format(folder=folder)).write_text(_map_without_degree())
+        arguments = [each.format(folder=folder) for each in command.arguments]
+        program = f"import sys; from celltrain.cli import main; sys.exit(main({arguments!r}))"
+        environment = os.environ if command.compiled else _empty_caches(folder)
+        begin = time.perf_counter()
+        process = subprocess.Popen(
+            [sys.executable, "-c", program], stdout=output, stderr=errors, env=environment
+        )
+        _, status, usage = os.wait4(process.pid, 0)
+        seconds = time.perf_counter() - begin
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode:
+            errors.seek(0)
+            raise SystemExit(f"{' '.join(arguments)} failed:\n{errors.read().decode()}")
+    return seconds, usage.ru_maxrss / 1024.0
+
+
+def _empty_caches(folder: str) -> Mapping[str, str]:
+    """An environment in which nothing was compiled yet."""
+    own = {"NUMBA_CACHE_DIR": f"{folder}/loops", "XDG_CACHE_HOME": f"{folder}/cache"}
+    others = {
+        name: value for name, value in os.environ.items() if name != "JAX_COMPILATION_CACHE_DIR"
+    }
+    return others | own
+
+
+def _map_without_degree() -> str:
+    """The study of the paper's growth map, its degrees left to the accuracy."""
+    text = files("celltrain.paper").joinpath("map.toml").read_text()
+    degree = tomllib.loads(text)["case"]["degree"]
+    return text.replace(f"degree = {degree}\n", "")

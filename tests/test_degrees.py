@@ -1,0 +1,77 @@
+"""Degrees that rise until a number is known, and what sequences of them leave open."""
+
+import math
+
+import pytest
+
+from celltrain.steady.degree import (
+    BEST_RATE,
+    CHANGES,
+    DEGREES,
+    FEWEST,
+    WORST_RATE,
+    Convergence,
+    higher,
+    raised,
+    remaining,
+)
+
+
+def test_one_value_tells_nothing() -> None:
+    assert math.isnan(remaining([1.0]))
+    assert math.isnan(remaining([]))
+    assert math.isnan(Convergence(12, (12,), (1.0,)).error)
+
+
+@pytest.mark.parametrize("rate", [0.3, 0.5, 0.69])
+def test_geometric_sequences_are_judged_exactly(rate: float) -> None:
+    values = [3.0 + rate**i for i in range(6)]
+    assert remaining(values) == pytest.approx(values[-1] - 3.0, rel=1e-12)
+
+
+def test_rates_are_bounded() -> None:
+    best, worst = BEST_RATE / (1 - BEST_RATE), WORST_RATE / (1 - WORST_RATE)
+    # The change falls to a hundredth, which may be chance: the one before is carried on.
+    assert remaining([1.0, 0.9, 0.899]) == pytest.approx(best * 0.1 * BEST_RATE)
+    # Changes that do not fall are carried on at the worst rate.
+    assert remaining([0.0, 1.0, 2.0]) == pytest.approx(worst)
+    assert remaining([0.0, 1.0]) == pytest.approx(worst)
+
+
+def test_changes_that_are_small_by_chance() -> None:
+    best = BEST_RATE / (1 - BEST_RATE)
+    found = remaining([1.0, 0.5, 0.3, 0.3])
+    assert found == pytest.approx(best * max(0.2 * BEST_RATE, 0.5 * BEST_RATE**2))
+    assert remaining([2.0, 2.0, 2.0]) == 0.0
+
+
+def test_old_changes_are_forgotten() -> None:
+    recent = [1.0 + 0.5**i for i in range(CHANGES + 1)]
+    assert remaining([1e6, *recent]) == pytest.approx(remaining(recent))
+
+
+def test_error_at_a_lower_degree() -> None:
+    found = Convergence(16, (12, 16, 20), (1.0, 0.9, 0.86))
+    left = remaining(found.values)
+    assert found.left == left
+    assert found.error == pytest.approx(0.04 + left)
+    assert Convergence(20, (12, 16, 20), (1.0, 1.0, 1.0), least=1e-3).error == 1e-3
+
+
+def test_degrees_rise_until_it_is_enough() -> None:
+    asked: list[int] = []
+
+    def evaluate(degree: int) -> float:
+        asked.append(degree)
+        return 1.0 + 2.0 ** -(degree / 4)
+
+    found = raised(evaluate, lambda each: each.left < 0.02)
+    assert found.degrees == tuple(asked) == DEGREES[: len(asked)]
+    assert found.degree == asked[-1]
+    assert found.left < 0.02
+    # Few values are never enough, and the ladder ends.
+    assert raised(evaluate, lambda _: True).degrees == DEGREES[:FEWEST]
+    assert raised(evaluate, lambda _: False, first=30).degrees == (30, 32, 40, 48)
+    assert raised(evaluate, lambda _: True, first=50).degrees == (50,)
+    assert higher(20) == (24, 32, 40, 48)
+    assert higher(48) == ()
