@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from celltrain import Base, Stability, Train, stability, steady
+from celltrain.stability import PaperNorm, normed_blocks
 from celltrain.stability.convergence import ACCURACY, LEAST_ERROR
 from celltrain.steady.degree import Convergence
 
@@ -49,3 +50,8 @@ def with_ratio(trains: dict[int, Base], ratio: float) -> dict[int, Base]:
         degree: replace(base, train=base.train.changed(viscosity_ratio=ratio))
         for degree, base in trains.items()
     }
+
+
+def eta_of_fixed_volume(result: Stability) -> float:
+    """Numerical abscissa in the paper's norm of disturbances that change no cell's volume, U/r0."""
+    return max(each.numerical_abscissa for each in normed_blocks(result, PaperNorm()).values())

@@ -200,6 +200,7 @@ class Linear:
     back_way: float
     crossing: float
     early: float
+    place: str
     growth_of: dict[str, np.ndarray]
 
 
@@ -228,6 +229,7 @@ def linear_measures(start: Stability) -> Linear:
         back_way=way * float(TIMES[peak + smaller[0]]) if smaller.size else float("nan"),
         crossing=crossing(histories[0], histories[1], "eps"),
         early=early,
+        place=f"{start.transient.azimuthal_number}, {start.transient.wave_number}",
         growth_of=sizes,
     )
 
@@ -237,8 +239,9 @@ def converged_part(page: Page, starts: dict[str, Stability]) -> dict[str, Linear
     page.heading(f"The linear theory at M = {FINE}")
     page.text(
         f"""
-v_eta belongs to eta, which rises with the degree (see [norms](norms.md)): a finer disturbance
-grows faster at first and gets no further. G: the largest growth of any disturbance by the time at
+v_eta is not the same disturbance at another degree: eta needs a higher degree than alpha does (see
+[convergence](convergence.md)), and a finer disturbance grows faster at first but gets no further.
+m, j: its azimuthal and wave number. G: the largest growth of any disturbance by the time at
 which the cells have gone {EARLY:g} D, where the paper has a tenfold one.
 """
     )
@@ -256,6 +259,7 @@ which the cells have gone {EARLY:g} D, where the paper has a tenfold one.
                     degree,
                     f"{each.alpha:.5f}",
                     f"{each.eta:.3f}",
+                    each.place,
                     f"{each.growth:.2f}",
                     f"{each.peak:.2f}; {each.peak_way:.2f}",
                     f"{each.back_way:.2f}",
@@ -275,14 +279,20 @@ which the cells have gone {EARLY:g} D, where the paper has a tenfold one.
             page.log(f"{panel.figure}, degree {degree}")
         axes.set_title(f"{panel.figure}: packing {panel.train.packing:g}", fontsize=9, loc="left")
         axes.set_xlabel("t, r0/U")
-        axes.set_ylabel("eps over its first")
-        axes.legend(frameon=False, fontsize=8)
+        axes.set_yticks([0.3, 0.5, 1.0, 2.0], ["0.3", "0.5", "1", "2"])
+        axes.minorticks_off()
+        axes.set_ylim(0.25, 2.4)
+    # Every panel has the same lines.
+    left, *_ = figure.axes
+    left.set_ylabel("eps over its first")
+    left.legend(frameon=False, fontsize=8, loc="lower left")
     page.table(
         (
             "figure",
             "M",
             "alpha, U/r0",
             "eta, U/r0",
+            "m, j",
             "largest eps of v_eta, over the first",
             "at t; cells went, D",
             "back at the first size after, D",

@@ -16,7 +16,7 @@ from jaxtyping import Array, Float
 
 from celltrain.meridian.geometry import clearance
 from celltrain.steady import Base
-from celltrain.train import TrainOperator, close_distance, place_cells, train_operator
+from celltrain.train.operator import TrainOperator, close_distance, place_cells, train_operator
 
 #: Directions at once, which bounds the memory of exact derivatives.
 BATCH = 12

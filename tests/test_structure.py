@@ -1,0 +1,81 @@
+"""Rooms of the package stand in the order in which data pass them; imports point one way."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import celltrain
+
+SOURCE = Path(celltrain.__file__).parent
+#: Each may import those before it.
+ROOMS = (
+    "xla_flags",
+    "environment",
+    "clock",
+    "runtime",
+    "parameters",
+    "harmonics",
+    "membrane",
+    "meridian",
+    "steady",
+    "stability",
+    "continuation",
+    "compiled",
+    "flow",
+    "train",
+    "diagnostics",
+    "results",
+    "evolution",
+    "study",
+    "pictures",
+    "paper",
+    "cli",
+)
+#: What the main job passes through; none of it imports JAX.
+WITHOUT_JAX = ("parameters", "harmonics", "membrane", "meridian", "steady", "stability", "study")
+#: Modules for cells of any shape that stand beside those of their subject.
+WITH_JAX = {
+    f"harmonics/{name}.py" for name in ("grid", "longitude", "polar", "rotation", "tables")
+} | {"membrane/energy.py", "membrane/geometry.py"}
+
+
+def files() -> list[Path]:
+    return sorted(SOURCE.rglob("*.py"))
+
+
+def imported(path: Path) -> set[str]:
+    """Names of the modules that a file imports, wherever it does so."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            found.add(node.module)
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+    return found
+
+
+def room(path: Path) -> str:
+    return path.relative_to(SOURCE).parts[0].removesuffix(".py")
+
+
+@pytest.mark.parametrize("name", ROOMS)
+def test_imports_point_one_way(name: str) -> None:
+    allowed = set(ROOMS[: ROOMS.index(name) + 1])
+    for path in files():
+        if room(path) != name:
+            continue
+        inner = {each for each in imported(path) if each.startswith("celltrain.")}
+        reached = {each.split(".")[1] for each in inner}
+        assert reached <= allowed, path
+
+
+def test_every_room_has_its_place() -> None:
+    assert {room(path) for path in files()} - {"__init__"} == set(ROOMS)
+
+
+def test_the_main_job_names_no_jax() -> None:
+    for path in files():
+        if room(path) in WITHOUT_JAX and str(path.relative_to(SOURCE)) not in WITH_JAX:
+            names = {each.split(".")[0] for each in imported(path)}
+            assert not names & {"jax", "equinox", "jaxlib"}, path
