@@ -1,4 +1,4 @@
-"""What the parts cost: seconds and peak memory, beside what they may take and what they took before.
+"""What the parts cost: seconds and peak memory, beside what they may take and took before.
 
 The case is the one of `make demo`: diameter 6, packing 0.2, eight cells, degree 12. Every stage
 runs in a process of its own, with what is compiled kept as it is; what the first call takes beyond

@@ -22,10 +22,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
+from measuring import describe_version, peak_mib, processor, reset_peak
 from rich.console import Console
 from rich.table import Table
-from run import describe_version, processor
-from stages import peak_mib, reset_peak
 
 from celltrain import Run, Train, evolve, stability, steady
 from celltrain.evolution import ForwardEuler, Integrator, Leading, RungeKuttaChebyshev

@@ -316,7 +316,7 @@ def test_a_frame_holds_what_is_registered(train: Train) -> None:
     rates[:, 2, 0] = 1.7 * np.sqrt(4 * np.pi)
     found = frame(train, shapes, rates)
     assert list(found) == list(FRAME_QUANTITIES)
-    sizes = {"cell": 4, "axis": 3, "principal": 3, "degree": 6}
+    sizes = {"cell": 4, "axis": 3, "principal": 3, "harmonic": 6}
     for name, quantity in FRAME_QUANTITIES.items():
         assert found[name].shape == tuple(sizes[each] for each in quantity.dims), name
         assert np.isfinite(found[name]).all(), name

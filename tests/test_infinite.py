@@ -75,9 +75,7 @@ def test_the_optimum_is_an_eigenvalue_and_the_largest(
 def test_an_optimum_between_samples_is_found(coarse_base: Base) -> None:
     # q = 0 and its displacement are left out, so that few samples show where the maximum is.
     few = np.array([0.3, 0.9, 1.6, 2.3, 3.0])
-    found = infinite_train(
-        coarse_base, phases=few, azimuthal_numbers=NUMBERS, estimate_error=False
-    )
+    found = infinite_train(coarse_base, phases=few, azimuthal_numbers=NUMBERS, estimate_error=False)
     best = found.most_unstable
     m = best.azimuthal_number
     waves = np.linspace(few[0], few[-1], 10)

@@ -13,12 +13,12 @@ from celltrain import Base, Train, stability, steady
 from celltrain.harmonics import azimuthal_basis
 from celltrain.meridian.rules import choose_rules
 from celltrain.stability import linear_blocks
+from celltrain.train import place_cells
 from celltrain.train.full_matrix import (
     FiniteDifference,
     full_matrix,
     matrix_operator,
 )
-from celltrain.train import place_cells
 
 CELLS = 2
 TRAIN = Train(

@@ -55,7 +55,9 @@ def test_the_grids_cover_the_paper() -> None:
         assert {case.train.flow.viscosity_ratio for case in study.cases} == {1.0}
     # As high as the accuracy asks for.
     assert {case.train.resolution.degree for case in full.cases} == {None}
-    assert {case.train.degree for case in quick.cases} == {8}
+    assert {case.train.degree for case in quick.cases} == {16}
+    as_in_the_paper = paper_study(FIGURES["fig6"], quick=False, degree=12)
+    assert {case.train.degree for case in as_in_the_paper.cases} == {12}
     assert full.computed.estimate_error
     # Both figures are drawn from one study.
     assert FIGURES["fig6"].study == FIGURES["fig8"].study

@@ -61,7 +61,7 @@ def test_the_studies_have_what_the_statements_need(name: str) -> None:
     assert full.computed.estimate_error
     # As high as the accuracy asks for.
     assert {case.train.resolution.degree for case in full.cases} == {None}
-    assert {case.train.degree for case in quick.cases} == {8}
+    assert {case.train.degree for case in quick.cases} == {16}
     assert len(quick.cases) <= 28
     for study in (full, quick):
         assert {case.train.cells for case in study.cases} == {8}

@@ -256,7 +256,7 @@ def test_within_the_range_a_step_errs_by_part_of_the_gap_and_runs_go_on_bit_for_
 ) -> None:
     start, path = tmp_path / "start.npy", tmp_path / "run.nc"
     np.save(start, side_by_side(dynamics, 0.006) - np.asarray(dynamics.base))
-    settings = {"until": 5.0, "every": 5.0, "repulsion": Repulsion(0.02, 0.05)}
+    settings = {"degree": 6, "until": 5.0, "every": 5.0, "repulsion": Repulsion(0.02, 0.05)}
     whole = evolve(close, FromFile(start), most_steps=4, **settings)
     evolve(close, FromFile(start), most_steps=2, path=path, **settings)
     again = resume(path, most_steps=2)

@@ -26,7 +26,9 @@ def test_what_is_told_of_it(coarse_base: Base) -> None:
     # Faster than the mean flow, slower than the flow on the axis.
     assert 1.0 < coarse_base.cell_velocity < 2.0
     assert 1.0 < coarse_base.effective_viscosity < 2.0
-    assert coarse_base.largest_radius == pytest.approx(largest_radius(coarse_base.profile), rel=1e-14)
+    assert coarse_base.largest_radius == pytest.approx(
+        largest_radius(coarse_base.profile), rel=1e-14
+    )
     assert coarse_base.gap == pytest.approx(streamwise_gap(coarse_base.profile, 1 / 0.3), rel=1e-13)
     assert coarse_base.origin == "march from the resting shape"
     assert set(coarse_base.seconds) == {"compile", "base"}

@@ -371,9 +371,7 @@ def test_a_real_study(tmp_path: Path, coarse_base: Base) -> None:
 
 
 def test_a_case_without_a_degree_gets_one(tmp_path: Path) -> None:
-    study = make_study(
-        {"case": {"packing": 0.2, "cells": 1}, "axes": {"diameter": [1.0, 6.0]}}
-    )
+    study = make_study({"case": {"packing": 0.2, "cells": 1}, "axes": {"diameter": [1.0, 6.0]}})
     with ThreadPoolExecutor(1) as executor:
         computation = StabilityOfCase(study.computed)
         records = run_study(study, tmp_path, computation, executor, lambda: 1)

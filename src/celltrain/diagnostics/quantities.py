@@ -16,7 +16,7 @@ class FrameQuantity:
         unit: in r0, U, mu; "1" for pure numbers.
         description: one sentence.
         dims: names of the dimensions of one frame: "cell", "axis" (x, y, z), "principal" (the axes
-            of an ellipsoid, the shortest first), "degree" (n = 0 ... M - 1).
+            of an ellipsoid, the shortest first), "harmonic" (degrees n = 0 ... M - 1).
     """
 
     name: str
@@ -97,7 +97,7 @@ FRAME_QUANTITIES: dict[str, FrameQuantity] = _table(
         "E_n",
         "r0^2",
         "spectrum of the shapes over degrees, averaged over cells, positions left out (Eq. 16)",
-        ("degree",),
+        ("harmonic",),
     ),
     FrameQuantity(
         "wall_distance", r"h_w", "r0", "smallest distance of each cell from the wall", ("cell",)

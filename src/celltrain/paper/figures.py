@@ -25,8 +25,9 @@ from celltrain.paper.viscosity_ratio import (
     packing_findings,
     ratio_findings,
 )
+from celltrain.parameters import read_case
 from celltrain.pictures.study import mark_cases
-from celltrain.study import Study, read_study
+from celltrain.study import Study, make_study
 
 
 @dataclass(frozen=True)
@@ -42,10 +43,21 @@ class PaperFigure:
     compute: Callable[[bool], xr.Dataset] | None = None
 
 
-def paper_study(figure: PaperFigure, *, quick: bool) -> Study:
-    """The study of a figure; the quick one is coarser in everything."""
+#: The degree at which the paper computed.
+PAPER_DEGREE = 12
+
+
+def paper_study(figure: PaperFigure, *, quick: bool, degree: int | None = None) -> Study:
+    """The study of a figure; the quick one is coarser in everything.
+
+    **Arguments:** `degree`: of all cases of the full study; unless given it rises for each until
+    the growth rate is known.
+    """
     name = f"{figure.study}-quick.toml" if quick else f"{figure.study}.toml"
-    return read_study(str(files("celltrain.paper").joinpath(name)))
+    content = read_case(str(files("celltrain.paper").joinpath(name)))
+    if degree is not None:
+        content["case"] = {**content["case"], "degree": degree}
+    return make_study(content)
 
 
 def draw_growth_map(data: xr.Dataset, path: Path) -> Path:

@@ -18,6 +18,7 @@ The growth rate's maximum is sought about the best samples, by bounded optimisat
 alpha_m(q).
 """
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -205,7 +206,9 @@ def infinite_train(
     convergence = ladder.resolved(
         accuracy, estimate_error=estimate_error, iteration=iteration, tell=tell
     )
-    base = with_velocity_error(ladder.base(convergence.degree))
+    base = ladder.base(convergence.degree)
+    if math.isnan(base.velocity_error):
+        base = with_velocity_error(base)
     dynamics = LinearDynamics(
         base, largest_azimuthal_number=max(numbers), smallest_phase=smallest(samples)
     )

@@ -18,7 +18,7 @@ from itertools import pairwise
 
 #: The degrees that are tried, one after another.
 DEGREES = (12, 16, 20, 24, 32, 40, 48)
-BEST_RATE, WORST_RATE = 0.25, 0.7
+BEST_RATE, WORST_RATE = 0.3, 0.7
 CHANGES = 3
 #: Fewest degrees whose changes tell what is left.
 FEWEST = 3
