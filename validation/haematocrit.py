@@ -65,8 +65,8 @@ Single-file trains of the default cell in tubes of {", ".join(f"{d:g}" for d in 
 wide), at the default mean velocity of 2.875 mm/s, M = {FINE}, beside the law that Pries, Neuhaus &
 Gaehtgens (1992) fitted to measurements of the relative apparent viscosity. Tube haematocrit: N
 V/(pi R^2 L); discharge haematocrit: that times U_c/U. Both viscosities are relative to the plasma.
-Each train is continued from the one before. Cells in narrow tubes are long, so that the largest
-packings may have no room there.
+Each train is continued from the one before. Where that ends no denser train is tried: cells in
+narrow tubes are long, and close to each other at packings below 0.7.
 """
     )
     attempts = trains(page)
@@ -116,7 +116,7 @@ packings may have no room there.
             + "."
         )
     words = "; ".join(
-        f"{diameter:g} um: {min(each):+.1%} to {max(each):+.1%}"
+        f"{diameter:g} um: {min(each):+.1%}" + (f" to {max(each):+.1%}" if len(each) > 1 else "")
         for diameter, each in differences.items()
         if each
     )
