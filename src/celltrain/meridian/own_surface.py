@@ -133,7 +133,7 @@ class OwnMoments:
         odd: Float[np.ndarray, "target n other_field mu"],
     ) -> None:
         self.integrals = integrals
-        self._rule = rule
+        self.rule = rule
         self._fields = even, odd
         self._kept: dict[int, tuple[Moments, Moments]] = {}
 
@@ -141,7 +141,7 @@ class OwnMoments:
         """Moments of the even and the odd fields for an order."""
         if order not in self._kept:
             found = []
-            for moments, rotation in zip(self._fields, self._rule.rotation(order), strict=True):
+            for moments, rotation in zip(self._fields, self.rule.rotation(order), strict=True):
                 turned = np.matmul(moments, rotation[..., None])[..., 0]
                 found.append(np.moveaxis(turned, 2, 0))
             self._kept[order] = (found[0], found[1])
