@@ -89,3 +89,17 @@ def test_a_train_without_a_degree_gets_one() -> None:
     assert base.velocity_error < 1e-4
     finer = steady(base.train.changed(degree=DEGREES[-2]), start=base, estimate_error=False)
     assert_allclose(base.cell_velocity, finer.cell_velocity, rtol=0, atol=1e-4)
+
+
+@pytest.mark.slow
+def test_the_flow_leads_to_a_degree_where_newtons_method_does_not() -> None:
+    # Soft cells, as in the paper's Fig. 15 (b).
+    train = Train(diameter=8, packing=0.2, cells=1, degree=16)
+    softer = 0.8 * train.cell.capillary_number / 20.5
+    moduli = ("shear_modulus", "dilatation_modulus", "bending_modulus")
+    train = train.changed(**{name: softer * getattr(train.cell, name) for name in moduli})
+    coarse = steady(train, estimate_error=False)
+    fine = steady(train.changed(degree=20), start=coarse, estimate_error=False)
+    assert fine.residual < 1e-9
+    assert "march" in {step.method for step in fine.history}
+    assert fine.cell_velocity == pytest.approx(1.88355, abs=1e-5)

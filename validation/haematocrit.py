@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from degrees import FINE
 from page import Page, plain_figure
 
 from celltrain import Base, CaseError, Train, steady
@@ -29,31 +30,30 @@ class Attempt:
 
 
 def trains(page: Page) -> list[Attempt]:
-    """All trains: from rest, or from the one before if that fails."""
+    """All trains, each from the one before, those of a tube from the first in a wider one."""
     attempts: list[Attempt] = []
+    first: Base | None = None
     for diameter in DIAMETERS:
-        start: Base | None = None
+        start = first
         for packing in PACKINGS:
             attempt = _train(diameter, packing, start)
             start = attempt.base or start
+            if packing == PACKINGS[0]:
+                first = start
             attempts.append(attempt)
             page.log(f"{diameter:g} um, packing {packing:g}: {attempt.reason or 'steady'}")
+            if attempt.base is None:
+                # Denser trains have less room still.
+                break
     return attempts
 
 
 def _train(diameter: float, packing: float, start: Base | None) -> Attempt:
-    reason = ""
-    for first in (None, start) if start else (None,):
-        try:
-            train = Train(
-                diameter=diameter * 1e-6 / Scales().radius,
-                packing=packing,
-                cells=1,
-            )
-            return Attempt(diameter, packing, steady(train, start=first, estimate_error=False))
-        except (NotConverged, CaseError) as error:
-            reason = str(error)
-    return Attempt(diameter, packing, None, reason)
+    train = Train(diameter=diameter * 1e-6 / Scales().radius, packing=packing, cells=1, degree=FINE)
+    try:
+        return Attempt(diameter, packing, steady(train, start=start, estimate_error=False))
+    except (NotConverged, CaseError) as error:
+        return Attempt(diameter, packing, None, str(error))
 
 
 def study() -> None:
@@ -62,12 +62,11 @@ def study() -> None:
         f"""
 Single-file trains of the default cell in tubes of {", ".join(f"{d:g}" for d in DIAMETERS)} um
 (r0 = 2.8 um, so {", ".join(f"{d / 2.8:.2f}" for d in DIAMETERS)} r0; the resting cell is 2.77 r0
-wide), at the default mean velocity of 2.875 mm/s, beside the law that Pries, Neuhaus & Gaehtgens
-(1992) fitted to measurements of the relative apparent viscosity. The degree M is the first at which
-the cells' velocity is known to 1e-4 U. Tube haematocrit: N V/(pi R^2 L); discharge haematocrit:
-that times U_c/U. Both viscosities are relative to the plasma. Steady trains are sought from the
-resting cell, or where that fails from the train before. Cells in narrow tubes are long, so that
-the largest packings have no room there.
+wide), at the default mean velocity of 2.875 mm/s, M = {FINE}, beside the law that Pries, Neuhaus &
+Gaehtgens (1992) fitted to measurements of the relative apparent viscosity. Tube haematocrit: N
+V/(pi R^2 L); discharge haematocrit: that times U_c/U. Both viscosities are relative to the plasma.
+Each train is continued from the one before. Cells in narrow tubes are long, so that the largest
+packings may have no room there.
 """
     )
     attempts = trains(page)
@@ -76,7 +75,7 @@ the largest packings have no room there.
     for attempt in attempts:
         base = attempt.base
         if base is None:
-            rows.append((f"{attempt.diameter:g}", f"{attempt.packing:g}", *[""] * 8))
+            rows.append((f"{attempt.diameter:g}", f"{attempt.packing:g}", *[""] * 7))
             continue
         share = discharge_haematocrit(base)
         law = float(in_vitro_viscosity(attempt.diameter, share))
@@ -86,7 +85,6 @@ the largest packings have no room there.
             (
                 f"{attempt.diameter:g}",
                 f"{attempt.packing:g}",
-                base.train.degree,
                 f"{tube_haematocrit(base):.3f}",
                 f"{share:.3f}",
                 f"{base.effective_viscosity:.4f}",
@@ -100,7 +98,6 @@ the largest packings have no room there.
         (
             "D, um",
             "phi",
-            "M",
             "H_T",
             "H_D",
             "viscosity, train",

@@ -101,9 +101,9 @@ cells has an energy of first order in eps, whose sign is arbitrary; here it is n
     )
     page.text(
         f"""
-Ratio of ours to the paper's for the sums: {words}. W_eta belongs to the fastest of all
-disturbances, which the degree of the discretisation cuts off (see the page on
-[norms](norms.md)): it has no converged value, so it cannot agree closely.
+Ratio of ours to the paper's for the sums: {words}. W_eta belongs to the disturbance that
+grows fastest at first, of short waves that M = {PAPER} cuts off; at M = {FINE} eta is known to some
+per cent (see [convergence](convergence.md)). So the paper's W_eta cannot be expected to agree.
 """
     )
     statements = (
@@ -242,7 +242,9 @@ def streamlines(page: Page) -> None:
                 f"{found.axis_velocity:+.2e}",
                 len(found.stagnation_points),
                 f"{found.strength:.1e}",
-                f"{found.centre[0]:.2f}, {found.centre[1]:+.2f}",
+                "none"
+                if math.isnan(found.centre[0])
+                else f"{found.centre[0]:.2f}, {found.centre[1]:+.2f}",
             )
         )
     page.table(

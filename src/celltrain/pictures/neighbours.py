@@ -30,7 +30,8 @@ def draw_growth_without_neighbours(trains: dict[str, Sequence[GrowthWithout]], p
     axes.set_xticks(sorted({found.removed for each in trains.values() for found in each}))
     axes.set_xlabel("neighbours removed on each side")
     axes.set_ylabel(r"largest growth rate $\tilde\alpha$ ($U/r_0$)")
-    axes.legend(fontsize=9, frameon=False)
+    # Curves may pass anywhere, so the names are above.
+    figure.legend(loc="outside upper center", ncols=2, fontsize=9, frameon=False)
     axes.tick_params(direction="in", which="both", top=True, right=True)
     figure.savefig(path)
     return path

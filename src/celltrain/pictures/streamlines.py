@@ -76,10 +76,9 @@ def draw_streamlines(base: Base, flow: MeridionalFlow, path: Path) -> Path:
     axes.set_xlabel("$z$ ($r_0$)")
     axes.set_ylabel("distance from the axis ($r_0$)")
     axes.set_title(
-        f"packing {base.train.packing:g}: velocity on the axis between the cells"
-        f" {found.axis_velocity:+.3g} $U$",
+        f"packing {base.train.packing:g}\non the axis between cells {found.axis_velocity:+.2g} $U$",
         loc="left",
-        fontsize=10,
+        fontsize=9,
     )
     axes.tick_params(direction="in", top=True, right=True)
     figure.savefig(path)

@@ -145,7 +145,10 @@ class Ways:
             return found
         here = begun
         for train in _degrees_between(begun.problem.train, end):
-            here = self._corrected(here, train)
+            before, here = here, self._corrected(here, train)
+            if not here.complete:
+                # The flow leads on where Newton's method does not.
+                here = _joined(here, self._march(train, _at_degree(before, here.problem)))
             found = _joined(found, here)
             if not here.complete:
                 break
@@ -154,10 +157,9 @@ class Ways:
     def _corrected(self, begun: Followed, train: Train) -> Followed:
         """By Newton's method from the shape at another degree."""
         problem = SteadyProblem(train)
-        moved = begun.iterated.state.profile - begun.problem.rest
         found = newton(
             problem,
-            change_degree(moved, problem.degree) + problem.rest,
+            _at_degree(begun, problem),
             tolerance=self.tolerance,
             most=self.left,
             progress=self.progress,
@@ -193,6 +195,12 @@ def describe_change(old: Train, new: Train) -> str:
 def _has_room(train: Train) -> bool:
     rest = SteadyProblem(train).rest
     return clearance(rest, train.period, train.radius) > ROOM
+
+
+def _at_degree(begun: Followed, problem: SteadyProblem) -> Profile:
+    """The shape of a train at another degree, displaced from rest as it is."""
+    moved = begun.iterated.state.profile - begun.problem.rest
+    return change_degree(moved, problem.degree) + problem.rest
 
 
 def _degrees_between(begin: Train, end: Train) -> Iterator[Train]:
