@@ -207,18 +207,17 @@ degree {FIXED}, that of the paper; and which degrees does the default take? Aske
     _table(page, "Narrower tubes", *beside)
     page.text(
         f"""
-The constants of the rule were chosen with the trains of the map known, these nine were not: at the
-default accuracy {sum(each.covered for each in beside[0])} of {len(narrow)} are covered, at degree
-{FIXED} {sum(each.covered for each in beside[1])}.
+The constants of the rule were chosen with the trains of the map in view; these nine are none of
+them, and the narrowest are the hardest. {_missed("At the default accuracy", beside[0])}
+{_missed(f"At degree {FIXED}", beside[1])}
 """
     )
     _figure(page, usual, fixed)
-    minutes = sum(case.seconds for case in (*cases, *narrow)) / 60.0
     page.text(
         f"""
 The growth rates are kept in `data/{FILE.name}`, and `python validation/run.py map` makes this page
-from them; trains that the file lacks it computes, with `--workers 2` by two processes. All of them
-took {minutes:.0f} minutes of one thread. What is reported is found by the package's own rule
+from them; trains that the file lacks it computes, with `--workers 2` by two processes, and without
+the file all of them. What is reported is found by the package's own rule
 (`celltrain.steady.degree`) from the growth rates that are kept.
 """
     )
@@ -256,24 +255,8 @@ def _coverage(page: Page, usual: list[Verdict], fixed: list[Verdict]) -> None:
         ),
         rows,
     )
-    for name, verdicts in (
-        ("At the default accuracy", usual),
-        (f"At degree {FIXED}", fixed),
-    ):
-        missed = [each for each in verdicts if not each.covered]
-        if missed:
-            page.text(
-                f"{name} these are not covered: "
-                + "; ".join(
-                    f"D = {each.case.diameter:g}, packing {each.case.packing:g} (M ="
-                    f" {each.degree}: {each.alpha:.2e}, error {each.error:.1e}, true error"
-                    f" {each.off:.1e})"
-                    for each in missed
-                )
-                + "."
-            )
-        else:
-            page.text(f"{name} all are covered.")
+    page.text(_missed("At the default accuracy", usual))
+    page.text(_missed(f"At degree {FIXED}", fixed))
     within = [each for each in usual if each.off <= ACCURACY * max(abs(each.case.best), 1e-2)]
     page.text(
         f"""
@@ -281,6 +264,17 @@ The default keeps what it promises, {PERCENT} or 1e-4 U/r0 of alpha at M = {DEGR
 {len(within)} of {len(usual)} trains.
 """
     )
+
+
+def _missed(where: str, verdicts: list[Verdict]) -> str:
+    """Which errors do not cover the true one."""
+    missed = "; ".join(
+        f"D = {each.case.diameter:g}, packing {each.case.packing:g} (M = {each.degree}:"
+        f" {each.alpha:.2e}, error {each.error:.1e}, true error {each.off:.1e})"
+        for each in verdicts
+        if not each.covered
+    )
+    return f"{where} these are not covered: {missed}." if missed else f"{where} all are covered."
 
 
 def _degrees(page: Page, usual: list[Verdict]) -> None:

@@ -4,7 +4,7 @@
     python validation/run.py breakup --simulate NAME
 
 Every study writes a page and a figure into docs/validation and states what is expected. Without
-names all of them run, which takes about an hour and a half on two cores, but for `breakup`, which
+names all of them run, which takes about half an hour on two cores, but for `breakup`, which
 takes hours and runs when it is named.
 """
 

@@ -347,10 +347,10 @@ def statements(found: dict[str, Measures], linear: dict[str, Linear]) -> list[tu
     first = PANELS[0].figure
     small, all_of, fine = found[first], list(found.values()), list(linear.values())
     large = [each for name, each in found.items() if name != first]
-    ways = [each.back_way for each in (*all_of, *fine)]
+    ways = [[each.back_way for each in those] for those in (all_of, fine)]
     followed = max(each.off[0] for each in large)
     crossings = (small.crossing, linear[first].crossing)
-    growths = [each.growth for each in (*all_of, *fine)]
+    growths = [[each.growth for each in those] for those in (all_of, fine)]
 
     def both(coarse: Iterable[str], better: Iterable[str], unit: str = "") -> str:
         return f"{', '.join(coarse)}{unit}; M = {FINE}: {', '.join(better)}{unit}"
@@ -370,14 +370,14 @@ def statements(found: dict[str, Measures], linear: dict[str, Linear]) -> list[tu
             f"Fig. 4: v_eta is below v_alpha from t = {PAPER_CROSSING:g} on (within a factor of"
             " two)",
             f"from {small.crossing:.1f} on; M = {FINE}: from {linear[first].crossing:.1f} on",
-            answer(all(0.5 < each / PAPER_CROSSING < 2.0 for each in crossings)),
+            answers(0.5 < each / PAPER_CROSSING < 2.0 for each in crossings),
         ),
         (
             "Sec. V B 2: v_eta grows about tenfold (here: five- to twentyfold)",
             both(
                 (f"{each.growth:.2f}" for each in all_of), (f"{each.growth:.2f}" for each in fine)
             ),
-            answer(all(5.0 < each < 20.0 for each in growths)),
+            answers(all(5.0 < each < 20.0 for each in those) for those in growths),
         ),
         (
             "Sec. V B 2: and is below its first size again when the cells have gone one D",
@@ -386,7 +386,7 @@ def statements(found: dict[str, Measures], linear: dict[str, Linear]) -> list[tu
                 (f"{each.back_way:.2f}" for each in fine),
                 " D",
             ),
-            answer(all(each < 1.0 for each in ways)),
+            answers(all(each < 1.0 for each in those) for those in ways),
         ),
         (
             f"Fig. 9: eps = 0.1 in v_eta leads to no other growth (here: within {CLOSE:.0%})",
@@ -394,6 +394,12 @@ def statements(found: dict[str, Measures], linear: dict[str, Linear]) -> list[tu
             answer(followed < CLOSE),
         ),
     ]
+
+
+def answers(hold: Iterable[bool]) -> str:
+    """At the paper's degree and at the higher one."""
+    paper, fine = (answer(each) for each in hold)
+    return f"{paper}; M = {FINE}: {fine}"
 
 
 def answer(holds: bool) -> str:
