@@ -7,11 +7,8 @@ import subprocess
 import sys
 import tempfile
 import time
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
-from pathlib import Path
 
 from measuring import summarised
 
@@ -19,7 +16,6 @@ CASE = ("--diameter", "6", "--packing", "0.2", "--cells", "8")
 STABILITY = ("stability", *CASE, "--degree", "12", "--json")
 # Where the folder that a command may fill goes among its arguments.
 FOLDER = "{folder}"
-STUDY = "{folder}/study.toml"
 TWO_WORKERS = ("-o", f"{FOLDER}/results", "--workers", "2", "--quiet")
 
 
@@ -27,14 +23,12 @@ TWO_WORKERS = ("-o", f"{FOLDER}/results", "--workers", "2", "--quiet")
 class Command:
     """Arguments of the command line, and what is there when it starts.
 
-    `compiled` says whether what earlier runs compiled is; `study` that the paper's map is, without
-    its degree, as study.toml in the command's folder; `repeated` that a first run goes before those
-    that are measured.
+    `compiled` says whether what earlier runs compiled is; `repeated` that a first run goes before
+    those that are measured.
     """
 
     arguments: Sequence[str]
     compiled: bool = True
-    study: bool = False
     repeated: bool = True
 
 
@@ -44,8 +38,8 @@ COMMANDS = {
     "command.empty": Command(STABILITY, compiled=False, repeated=False),
     "command.infinite": Command(("stability", "--infinite", *CASE, "--degree", "12", "--json")),
     "command.help": Command(("--help",)),
-    "map": Command(("paper", "fig6", *TWO_WORKERS), repeated=False),
-    "map.accurate": Command(("sweep", STUDY, *TWO_WORKERS), study=True, repeated=False),
+    "map": Command(("paper", "fig6", "--resolution", "paper", *TWO_WORKERS), repeated=False),
+    "map.converged": Command(("paper", "fig6", *TWO_WORKERS), repeated=False),
 }
 
 
@@ -79,8 +73,6 @@ def _run(command: Command) -> tuple[float, float]:
         tempfile.TemporaryFile() as output,
         tempfile.TemporaryFile() as errors,
     ):
-        if command.study:
-            Path(STUDY.format(folder=folder)).write_text(_map_without_degree())
         arguments = [each.format(folder=folder) for each in command.arguments]
         program = f"import sys; from celltrain.cli import main; sys.exit(main({arguments!r}))"
         environment = os.environ if command.compiled else _empty_caches(folder)
@@ -104,10 +96,3 @@ def _empty_caches(folder: str) -> Mapping[str, str]:
         name: value for name, value in os.environ.items() if name != "JAX_COMPILATION_CACHE_DIR"
     }
     return others | own
-
-
-def _map_without_degree() -> str:
-    """The study of the paper's growth map, its degrees left to the accuracy."""
-    text = files("celltrain.paper").joinpath("map.toml").read_text()
-    degree = tomllib.loads(text)["case"]["degree"]
-    return text.replace(f"degree = {degree}\n", "")

@@ -11,6 +11,7 @@ from celltrain.harmonics import (
     Profile,
     azimuthal_weight,
     cylindrical_members,
+    gauss_colatitudes,
     legendre_tables,
 )
 
@@ -27,10 +28,8 @@ class MeridianGrid:
     """
 
     def __init__(self, degree: int, order: int) -> None:
-        nodes, weights = np.polynomial.legendre.leggauss(order)
         self.degree = degree
-        self.theta: Meridian = np.arccos(nodes)[::-1].copy()
-        self.weights: Meridian = weights[::-1].copy()
+        self.theta, self.weights = gauss_colatitudes(order)
         self._tables: LegendreTables | None = None
         self._members: dict[int, Float[np.ndarray, "3 member point"]] = {}
 

@@ -9,7 +9,7 @@ fields are even or odd. Sums over beta, then over alpha, give moments in the rot
 and one small rotation (`harmonics.meridian_rotation`) those of the usual orders. Prefactor 1/8 pi.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -125,54 +125,63 @@ class OwnMoments:
     `integrals` are the sums of the even fields: what the kernel makes of constants.
     """
 
-    def __init__(self, rule: OwnRule) -> None:
+    def __init__(
+        self,
+        rule: OwnRule,
+        integrals: Float[np.ndarray, "field target"],
+        even: Float[np.ndarray, "target n field mu"],
+        odd: Float[np.ndarray, "target n other_field mu"],
+    ) -> None:
+        self.integrals = integrals
         self.rule = rule
-        self.integrals: Float[np.ndarray, "field target"]
-        self._even: Float[np.ndarray, "target n field mu"]
-        self._odd: Float[np.ndarray, "target n field mu"]
+        self._fields = even, odd
         self._kept: dict[int, tuple[Moments, Moments]] = {}
 
     def at(self, order: int) -> tuple[Moments, Moments]:
         """Moments of the even and the odd fields for an order."""
         if order not in self._kept:
             found = []
-            for moments, rotation in zip(
-                (self._even, self._odd), self.rule.rotation(order), strict=True
-            ):
+            for moments, rotation in zip(self._fields, self.rule.rotation(order), strict=True):
                 turned = np.matmul(moments, rotation[..., None])[..., 0]
                 found.append(np.moveaxis(turned, 2, 0))
             self._kept[order] = (found[0], found[1])
         return self._kept[order]
 
-    def _gather(self, parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> None:
-        self.integrals = np.concatenate([each[0] for each in parts], axis=1)
-        self._even = np.concatenate([each[1] for each in parts])
-        self._odd = np.concatenate([each[2] for each in parts])
-
 
 def force_moments(rule: OwnRule, profile: Profile, force: Profile) -> OwnMoments:
     """Moments of G and T for the forces of a cell, both as profiles."""
-    found, parts = OwnMoments(rule), []
-    z, rho = rule.targets.places(profile)
-    for group in rule.groups():
-        points, forces = rule.field(profile, group), rule.field(force, group)
-        even = np.empty((len(EVEN), *points.shape[1:]))
-        odd = np.empty((len(ODD), *points.shape[1:]))
-        force_fields(rho[group], z[group], points, forces, rule.weights, even, odd)
-        parts.append((even.sum(2), rule.reduce(even, rule.cosines), rule.reduce(odd, rule.sines)))
-    found._gather(parts)
-    return found
+
+    def forces(group: slice) -> np.ndarray:
+        return rule.field(force, group)
+
+    return _moments(rule, profile, forces, force_fields, (EVEN, ODD))
 
 
 def stress_moments(rule: OwnRule, profile: Profile) -> OwnMoments:
     """Moments of K for the shape of a cell."""
-    found, parts = OwnMoments(rule), []
+
+    def areas(group: slice) -> np.ndarray:
+        return rule.area_vectors(profile, group)
+
+    return _moments(rule, profile, areas, stress_fields, (STRESS_EVEN, STRESS_ODD))
+
+
+def _moments(
+    rule: OwnRule,
+    profile: Profile,
+    content: Callable[[slice], np.ndarray],
+    kernel: Callable[..., None],
+    names: tuple[tuple[str, ...], tuple[str, ...]],
+) -> OwnMoments:
+    """Moments of a kernel's fields for what the nodes of some targets carry."""
     z, rho = rule.targets.places(profile)
+    parts = []
     for group in rule.groups():
-        points, normals = rule.field(profile, group), rule.area_vectors(profile, group)
-        even = np.empty((len(STRESS_EVEN), *points.shape[1:]))
-        odd = np.empty((len(STRESS_ODD), *points.shape[1:]))
-        stress_fields(rho[group], z[group], points, normals, rule.weights, even, odd)
+        points = rule.field(profile, group)
+        even, odd = (np.empty((len(each), *points.shape[1:])) for each in names)
+        kernel(rho[group], z[group], points, content(group), rule.weights, even, odd)
         parts.append((even.sum(2), rule.reduce(even, rule.cosines), rule.reduce(odd, rule.sines)))
-    found._gather(parts)
-    return found
+    integrals, of_even, of_odd = zip(*parts, strict=True)
+    return OwnMoments(
+        rule, np.concatenate(integrals, axis=1), np.concatenate(of_even), np.concatenate(of_odd)
+    )

@@ -124,6 +124,8 @@ class Ways:
         if not begun.complete:
             return begun
         if _alike(begin, end):
+            if begun.iterated.state.error < self.tolerance:
+                return replace(begun, problem=SteadyProblem(end))
             return self._corrected(begun, end)
         followed = follow(
             begin,
