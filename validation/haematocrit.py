@@ -129,7 +129,7 @@ over tubes of all widths; what scatter its measurements have at these diameters 
     )
     figure = plain_figure(6.8, 4.4)
     axes = figure.subplots()
-    shares = np.linspace(0.0, 0.55, 100)
+    shares = np.linspace(0.0, 0.65, 100)
     for diameter, color in zip(DIAMETERS, COLORS, strict=True):
         here = [each.base for each in attempts if each.diameter == diameter and each.base]
         axes.plot(shares, in_vitro_viscosity(diameter, shares), color=color, linewidth=1.0)
