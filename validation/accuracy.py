@@ -180,12 +180,20 @@ M = {TRAIN.degree}, the degree of simulations.
     )
     holds = all(change < estimate for change, estimate in zip(largest, estimates, strict=True))
     page.text(f"Every change is below the error: {'yes' if holds else 'NO'}.")
+    draw(page, estimates, largest)
+
+
+def draw(page: Page, estimates: list[float], largest: list[float]) -> None:
+    """What is reported of two cells beside what is found, over their distance."""
     figure = plain_figure()
     axes = figure.subplots()
     axes.loglog(DISTANCES, estimates, "o-", label="error reported")
     axes.loglog(DISTANCES, largest, "s-", label="largest change by one rule")
+    axes.set_xticks(DISTANCES, [f"{distance:g}" for distance in DISTANCES])
+    axes.set_yticks([1e-4, 2e-4, 4e-4], ["1e-4", "2e-4", "4e-4"])
+    axes.minorticks_off()
     axes.set(xlabel="distance, $r_0$", ylabel="relative error of the velocity")
-    axes.legend()
+    axes.legend(frameon=False)
     page.figure(
         figure,
         "Two cells in three dimensions: what is reported, and what refining one rule at a time"

@@ -7,7 +7,7 @@ import numpy as np
 from degrees import FINE, PAPER
 from page import FOLDER, Page, plain_figure
 
-from celltrain import Stability, Train, stability, steady
+from celltrain import Base, Stability, Train, stability, steady
 from celltrain.diagnostics import (
     deformation_spectrum,
     meridional_flow,
@@ -226,30 +226,35 @@ def streamlines(page: Page) -> None:
     """Fig. 7."""
     page.heading("Streamlines in the frame of the cells (Fig. 7)")
     rows: list[tuple[Any, ...]] = []
-    base = None
+    starts: dict[int, Base | None] = {FINE: None, PAPER: None}
     for packing in STREAMLINES:
-        train = Train(diameter=6, packing=packing, cells=CELLS, degree=FINE)
-        base = steady(train, start=base, estimate_error=False)
-        flow = meridional_flow(base)
-        found = recirculation(base, flow)
-        page.log(f"streamlines at packing {packing:g}")
-        path = FOLDER / f"mechanisms-streamlines-{round(10 * packing):02d}.png"
-        draw_streamlines(base, flow, path)
-        page.parts.append(f"![Streamlines at packing {packing:g}]({path.name})")
-        rows.append(
-            (
-                packing,
-                f"{found.axis_velocity:+.2e}",
-                len(found.stagnation_points),
-                f"{found.strength:.1e}",
-                "none"
-                if math.isnan(found.centre[0])
-                else f"{found.centre[0]:.2f}, {found.centre[1]:+.2f}",
+        for degree, start in starts.items():
+            train = Train(diameter=6, packing=packing, cells=CELLS, degree=degree)
+            base = steady(train, start=start, estimate_error=False)
+            starts[degree] = base
+            flow = meridional_flow(base)
+            found = recirculation(base, flow)
+            page.log(f"streamlines at packing {packing:g}, degree {degree}")
+            if degree == FINE:
+                path = FOLDER / f"mechanisms-streamlines-{round(10 * packing):02d}.png"
+                draw_streamlines(base, flow, path)
+                page.parts.append(f"![Streamlines at packing {packing:g}]({path.name})")
+            rows.append(
+                (
+                    packing,
+                    degree,
+                    f"{found.axis_velocity:+.2e}",
+                    len(found.stagnation_points),
+                    f"{found.strength:.1e}",
+                    "none"
+                    if math.isnan(found.centre[0])
+                    else f"{found.centre[0]:.2f}, {found.centre[1]:+.2f}",
+                )
             )
-        )
     page.table(
         (
             "packing",
+            "M",
             "velocity on the axis between cells, U",
             "points of rest there",
             "turning fluid over passing",
@@ -261,8 +266,8 @@ def streamlines(page: Page) -> None:
         """
 The paper: for packings up to 0.4 the regions that turn back join on the centre line; between 0.4
 and 0.55 the fluid nearly rests there; from 0.6 on it turns in small regions beside the cells only.
-Turning fluid that is less than 1e-4 of what passes is not told from none: so at packing 0.7 there
-may be such regions, but none that can be seen; what M = 12 showed there was left by the degree.
+Turning fluid that is less than 1e-4 of what passes is not told from none. So at packing 0.7 the
+small regions may be there, but are not seen.
 """
     )
 
