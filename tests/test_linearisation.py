@@ -13,6 +13,7 @@ from celltrain import Base, Train, stability, steady
 from celltrain.harmonics import azimuthal_basis
 from celltrain.meridian.rules import choose_rules
 from celltrain.stability import linear_blocks
+from celltrain.stability.neighbours import couplings
 from celltrain.train import place_cells
 from celltrain.train.full_matrix import (
     FiniteDifference,
@@ -75,6 +76,19 @@ def test_blocks_are_those_of_the_full_matrix(
         assert_allclose(full @ basis.T, basis.T @ block, rtol=0, atol=1e-6 * size)
     # The other cells' columns follow from those of cell 0.
     assert_allclose(matrix[1, :, 1], matrix[0, :, 0], rtol=0, atol=0)
+
+
+def test_couplings_are_the_blocks_of_the_full_matrix(
+    matrix: np.ndarray, blocks: dict[int, np.ndarray]
+) -> None:
+    """The paper zeroes blocks of the matrix of all cells: the same thing."""
+    basis = azimuthal_basis(TRAIN.degree, 1).reshape(-1, matrix.shape[1])
+    found = couplings(blocks[1], CELLS)
+    size = np.abs(matrix).max()
+    # What the first cell feels of the cell p places ahead.
+    for ahead in range(CELLS):
+        expected = basis @ matrix[0, :, ahead] @ basis.T
+        assert_allclose(found[ahead], expected, rtol=0, atol=1e-6 * size)
 
 
 def test_the_growth_rate_is_that_of_the_full_matrix(base: Base, matrix: np.ndarray) -> None:

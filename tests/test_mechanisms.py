@@ -8,7 +8,6 @@ from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability
 from celltrain.diagnostics import MeridionalFlow, meridional_flow, recirculation
-from celltrain.harmonics import azimuthal_basis
 from celltrain.meridian.geometry import meridian_points
 from celltrain.pictures import (
     draw_deformation_spectra,
@@ -19,10 +18,8 @@ from celltrain.pictures import (
 )
 from celltrain.stability import (
     blocks_without_neighbours,
-    full_matrix,
     growth_without_neighbours,
 )
-from celltrain.stability.neighbours import couplings
 
 
 def test_nothing_removed_is_the_train_itself(coarse_stability: Stability) -> None:
@@ -35,20 +32,6 @@ def test_nothing_removed_is_the_train_itself(coarse_stability: Stability) -> Non
         leading.azimuthal_number,
         leading.wave_number,
     )
-
-
-def test_couplings_are_the_blocks_of_the_full_matrix(coarse_stability: Stability) -> None:
-    """The paper zeroes blocks of the matrix of all cells: the same thing."""
-    cells, degree = coarse_stability.base.train.cells, coarse_stability.base.train.degree
-    whole = full_matrix(coarse_stability.base).reshape(cells, 3 * degree**2, cells, 3 * degree**2)
-    m = 1
-    basis = azimuthal_basis(degree, m).reshape(-1, 3 * degree**2)
-    found = couplings(coarse_stability.blocks[m], cells)
-    size = np.abs(whole).max()
-    # What the first cell feels of the cell p places ahead.
-    for ahead in range(cells):
-        expected = basis @ whole[0, :, ahead] @ basis.T
-        assert_allclose(found[ahead], expected, rtol=0, atol=1e-6 * size)
 
 
 def test_without_all_others_nothing_depends_on_the_wave(coarse_stability: Stability) -> None:
