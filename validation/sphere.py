@@ -7,6 +7,7 @@ Poiseuille flow of mean velocity U (2 U on the axis) it feels F = 12 pi K2 U. Sp
 free train feel no force.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import equinox as eqx
@@ -154,19 +155,26 @@ a/R = 0.7 on the wall is so close that the graded rules take over there.
         ],
     )
 
+    moving, held = ([getattr(each, name) for each in found] for name in ("moving", "held"))
+    draw(page, ratios, moving, held)
+    page.write()
+
+
+def draw(page: Page, ratios: Sequence[float], moving: list[float], held: list[float]) -> None:
+    """Both drag factors over a/R."""
     figure = plain_figure()
     axes = figure.subplots()
-    axes.semilogy(ratios, [each.moving for each in found], "o-", label="$K_1$, moving")
-    axes.semilogy(ratios, [each.held for each in found], "s-", label="$K_2$, held in the flow")
+    axes.semilogy(ratios, moving, "o-", label="$K_1$, moving")
+    axes.semilogy(ratios, held, "s-", label="$K_2$, held in the flow")
     known = sorted(EXPECTED)
     for column in (0, 1):
         axes.plot(known, [EXPECTED[each][column] for each in known], "kx", markersize=10)
     axes.set(xlabel="$a/R$", ylabel="drag factor")
-    axes.set_yticks([1, 2, 5, 10], ["1", "2", "5", "10"])
+    ticks = (1, 2, 5, 10, 20, 50)
+    axes.set_yticks(ticks, [str(tick) for tick in ticks])
     axes.minorticks_off()
-    axes.legend()
+    axes.legend(frameon=False)
     page.figure(figure, "Drag factors of a sphere on the axis; crosses: expected values")
-    page.write()
 
 
 def _finest(degree: int) -> dict[str, float]:
