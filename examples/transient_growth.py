@@ -2,9 +2,9 @@
 
 Physics. The dynamics of a train is not normal: disturbances that decay in the end may grow first.
 Their largest growth rate at the first moment, eta, is a hundred times that of the unstable tilt,
-but how far do they get? G(t) is the largest growth up to a time t. eta belongs to fine disturbances,
-which grow fast for a short time, so it needs a high degree M of the discretisation: at 12 it is a
-third too small. G(t) at any later time is known at once.
+but how far do they get? G(t) is the largest growth up to a time t. eta belongs to fine
+disturbances, which grow fast for a short time, so it needs a high degree M of the discretisation:
+at 12 it is a third too small. G(t) at any later time is known at once.
 
 Scaling. Lengths in r0, velocities in U, times in r0/U; tube of diameter 6, packing 0.2, eight
 cells.
