@@ -193,7 +193,12 @@ def cluster(folder: Path) -> Iterator[tuple[str, "subprocess.Popen[bytes]"]]:
     """Address and process of a scheduler with two workers of 1 GiB, all processes of their own."""
     place = folder / "scheduler.json"
     place.unlink(missing_ok=True)
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+    quiet: dict[str, Any] = {
+        "stdout": subprocess.DEVNULL,
+        "stderr": subprocess.DEVNULL,
+        "cwd": folder,
+        "start_new_session": True,
+    }
     file = ["--scheduler-file", str(place)]
     scheduler = ["scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
     worker = ["worker", "--nworkers", "2", "--nthreads", "1", "--memory-limit", "1GiB"]
@@ -209,7 +214,19 @@ def cluster(folder: Path) -> Iterator[tuple[str, "subprocess.Popen[bytes]"]]:
         for process in reversed(processes):
             process.terminate()
         for process in processes:
-            process.wait(timeout=60)
+            end(process)
+
+
+def end(process: "subprocess.Popen[bytes]") -> None:
+    """Wait for a process that was asked to end; workers without a scheduler may look for it long.
+
+    Those that do are killed with all that they started.
+    """
+    try:
+        process.wait(timeout=20)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
 
 
 @pytest.mark.slow
