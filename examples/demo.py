@@ -15,7 +15,7 @@ Reference. S. H. Bryngelson and J. B. Freund, Global stability of flowing red bl
 Phys. Rev. Fluids 3, 073101 (2018): Figs. 4, 5, 6 and 11. Rates as that paper prints them are ten
 times those in U/r0; see celltrain.parameters.units.
 
-Run time. Three minutes on two cores, the first time some more for compilation.
+Run time. Two minutes on two cores, nearly all of it the simulation and its compilation.
 
 Command. ``make demo``, or ``python examples/demo.py [FOLDER]``; results and pictures go to
 out/demo unless told otherwise.
