@@ -4,8 +4,8 @@ Physics. Eight red blood cells follow each other through a straight tube, so nar
 bullet each and a single file together. Is that file stable? At a packing phi = r0 N/L of 0.2 (cells
 five radii apart) it is not: the cells tilt, all alike. At 0.5 (two radii apart) nothing grows. The
 second steady train is reached from the first one by continuation in the packing. Then two cells at
-packing 0.2, coarse, are disturbed by their fastest mode and followed in time: their tilt, which
-oscillates at this resolution, grows as the linear theory says while it is small.
+packing 0.2, at the degree that simulations have, are disturbed by their fastest mode and followed in
+time: their tilt grows as the linear theory says while it is small.
 
 Scaling. Lengths in r0 (radius of the sphere of a cell's volume), velocities in U (mean velocity in
 the tube), viscosities in mu (plasma); so rates in U/r0. The tube's diameter is 6 r0, viscosities
@@ -46,8 +46,8 @@ from celltrain.pictures import plot_all
 from celltrain.pictures.run import plot_run
 from celltrain.results import verdict
 
-# Coarse and of two cells, so that it takes a minute; eight at degree 12 take hours.
-SIMULATED = Train(diameter=6, packing=0.2, cells=2, degree=8)
+# Of two cells, so that it takes a minute or two; the breakup of eight takes hours.
+SIMULATED = Train(diameter=6, packing=0.2, cells=2, degree=12)
 AMPLITUDE, UNTIL = 0.01, 240.0
 # The growth is compared until the disturbance is this large (r0).
 SMALL = 0.05
