@@ -4,8 +4,8 @@ Physics. Eight red blood cells follow each other through a straight tube, so nar
 bullet each and a single file together. Is that file stable? At a packing phi = r0 N/L of 0.2 (cells
 five radii apart) it is not: the cells tilt, all alike. At 0.5 (two radii apart) nothing grows. The
 second steady train is reached from the first one by continuation in the packing. Then two cells at
-packing 0.2, at the degree that simulations have, are disturbed by their fastest mode and followed in
-time: their tilt grows as the linear theory says while it is small.
+packing 0.2, at the degree that simulations have, are disturbed by their fastest mode and followed
+in time: their tilt grows as the linear theory says while it is small.
 
 Scaling. Lengths in r0 (radius of the sphere of a cell's volume), velocities in U (mean velocity in
 the tube), viscosities in mu (plasma); so rates in U/r0. The tube's diameter is 6 r0, viscosities
