@@ -38,8 +38,9 @@ def study() -> None:
 alpha(D, packing) = 0 of the fastest tilt (m = 1) with one phase q, for an infinite train,
 viscosity ratio 1: pseudo-arclength continuation from D = 6 with the exact gradient of alpha, at
 degree 12 and at degree 24, where the curves have converged (at degree 32 growth rates differ by
-about 5e-5 near them, and by 1e-4 at most farther off). Two modes bound the region in which the cells keep their order: at small packing all
-cells tilt alike, at large packing neighbours tilt oppositely. Rates in U/r0.
+about 5e-5 near them, and by 1e-4 at most farther off). Two modes bound the region in which the
+cells keep their order: at small packing all cells tilt alike, at large packing neighbours tilt
+oppositely. Rates in U/r0.
 """
     )
     found = {
