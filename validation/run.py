@@ -19,6 +19,7 @@ import celltrain  # noqa: F401
 
 # isort: split
 import accuracy
+import agreement
 import boundary
 import breakup
 import convergence
@@ -57,6 +58,7 @@ def main() -> None:
         "packing": lambda _: packing.study(),
         "viscosity": lambda _: viscosity.study(),
         "accuracy": lambda _: accuracy.study(),
+        "agreement": lambda _: agreement.study(),
         "haematocrit": lambda _: haematocrit.study(),
         "figures": lambda options: figures.study(options.results),
         "mechanisms": lambda _: mechanisms.study(),
