@@ -90,7 +90,11 @@ FRAME_QUANTITIES: dict[str, FrameQuantity] = _table(
         "energy_dilatation", "W_d", "mu U r0^2", "strain energy of dilatation (Eq. 23)", ("cell",)
     ),
     FrameQuantity(
-        "energy_bending", "W_b", "mu U r0^2", "strain energy of bending (Eq. 23)", ("cell",)
+        "energy_bending",
+        "W_b",
+        "mu U r0^2",
+        "strain energy of bending (Eq. 23), not a number for bending moments, which have none",
+        ("cell",),
     ),
     FrameQuantity(
         "shape_spectrum",

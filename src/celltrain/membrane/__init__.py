@@ -5,7 +5,15 @@ any shape, in JAX, is in `energy`, its surface in `geometry`; both are modules t
 """
 
 from celltrain.membrane.axisymmetric import AxisymmetricMembrane, axisymmetric_membrane
-from celltrain.membrane.bending import BENDINGS, BendingLaw, ElasticBending, HelfrichBending
+from celltrain.membrane.bending import (
+    BENDINGS,
+    BalancedMomentBending,
+    BendingEnergy,
+    BendingLaw,
+    ElasticBending,
+    HelfrichBending,
+    MomentBending,
+)
 from celltrain.membrane.equilibrium import healthy_reduced_volume, relaxed_slope
 from celltrain.membrane.forms import PointwiseEnergy
 from celltrain.membrane.laws import LAWS, ConstitutiveLaw, NeoHookean, Skalak
@@ -18,10 +26,13 @@ __all__ = [
     "BENDINGS",
     "LAWS",
     "AxisymmetricMembrane",
+    "BalancedMomentBending",
+    "BendingEnergy",
     "BendingLaw",
     "ConstitutiveLaw",
     "ElasticBending",
     "HelfrichBending",
+    "MomentBending",
     "NeoHookean",
     "PointwiseEnergy",
     "Skalak",

@@ -48,9 +48,11 @@ class Cell(Section):
     law: Literal["skalak", "neo_hookean"] = Field(
         default="skalak", description="constitutive law of the membrane"
     )
-    bending: Literal["elastic", "helfrich"] = Field(
+    bending: Literal["elastic", "helfrich", "moments", "balanced_moments"] = Field(
         default="elastic",
-        description="bending energy: about the shape at rest, or that of a fluid membrane",
+        description="bending: energy about the shape at rest, energy of a fluid membrane, moments"
+        " about the shape at rest as the paper's solver has them (no energy), or the same moments"
+        " balanced also about the normal",
     )
     spontaneous_curvature: Real = Field(
         default=0.0,

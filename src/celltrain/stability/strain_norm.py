@@ -26,6 +26,7 @@ from celltrain.harmonics import azimuthal_basis, profile_of
 from celltrain.membrane import (
     AxisymmetricMembrane,
     ElasticBending,
+    MomentBending,
     axisymmetric_membrane,
     cell_material,
 )
@@ -40,7 +41,14 @@ def second_variation(
 
     In `azimuthal_basis(degree, m)`. Positive semidefinite where the membrane is free of stress, in
     general indefinite.
+
+    **Raises:** `CaseError` for bending moments, which have no energy.
     """
+    if isinstance(membrane.bending, MomentBending):
+        raise CaseError(
+            "a law of moments has no energy: not allowed for its second variation; allowed"
+            " there: bending = 'elastic', 'helfrich'"
+        )
     energy = membrane.second_order(profile_of(shape))
     return {m: membrane.hessian(energy, m) for m in azimuthal_numbers}
 
