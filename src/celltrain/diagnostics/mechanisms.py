@@ -1,0 +1,145 @@
+"""What disturbances do to the cells: how they turn, strain and deform them."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+from jaxtyping import Float
+
+from celltrain.diagnostics.modes import mode_motion
+from celltrain.diagnostics.spectrum import deformation_spectrum
+from celltrain.quantities import Quantity, Record, quantity
+from celltrain.stability import Mode, Stability, TransientMode
+from celltrain.steady import Base
+
+#: Modes whose turning is computed.
+MODES = 8
+
+
+@dataclass(frozen=True)
+class ModeTurning:
+    """How a mode turns the cells, for each unit of its amplitude (see `mode_motion`)."""
+
+    growth_rate: Annotated[float, Quantity(r"\mathrm{Re} \lambda", "U/r0", "growth rate")]
+    azimuthal_number: Annotated[int, Quantity("m", "1", "azimuthal number")]
+    wave_number: Annotated[int, Quantity("j", "1", "wave number")]
+    tumbling: Annotated[
+        float,
+        Quantity(
+            r"|\omega|", "U/r0^2", "rate at which the cells' axes turn", source="Eqs. (17) to (19)"
+        ),
+    ]
+    tank_treading: Annotated[
+        float,
+        Quantity(
+            r"|\Omega - \omega|",
+            "U/r0^2",
+            "rate at which membranes turn around their cells",
+            source="Eqs. (20) and (21)",
+        ),
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class DisturbanceStrain(Record):
+    """How a disturbance strains and deforms the cells, at the paper's amplitude (Table I)."""
+
+    name: Annotated[str, Quantity("", "1", "which disturbance")]
+    azimuthal_number: Annotated[int, Quantity("m", "1", "azimuthal number")]
+    wave_number: Annotated[int, Quantity("j", "1", "wave number")]
+    shear: Annotated[
+        float, Quantity("W_s", "mu U r0^2", "energy of shear", source="Eqs. (23) and (24)")
+    ]
+    dilatation: Annotated[
+        float, Quantity("W_d", "mu U r0^2", "energy of dilatation", source="Eqs. (23) and (24)")
+    ]
+    bending: Annotated[
+        float, Quantity("W_b", "mu U r0^2", "energy of bending", source="Eqs. (23) and (24)")
+    ]
+    spectrum: Annotated[
+        Float[np.ndarray, " degree"],
+        Quantity("E_n", "r0^2", "spectrum of the deformation over degrees", source="Eq. (16)"),
+    ]
+
+    @property
+    def energies(self) -> dict[str, float]:
+        """The energy by its parts."""
+        return {"shear": self.shear, "dilatation": self.dilatation, "bending": self.bending}
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanisms(Record):
+    """What the leading modes, and the disturbance that grows fastest at first, do to the cells."""
+
+    kind: ClassVar[str] = "mechanisms"
+    title: ClassVar[str] = "how disturbances of a train turn, strain and deform its cells"
+
+    base: Base
+    modes: tuple[ModeTurning, ...]
+    strains: tuple[DisturbanceStrain, ...]
+
+    @property
+    @quantity(Quantity("W_s", "mu U r0^2", "energy of shear of the leading mode"))
+    def shear_energy(self) -> float:
+        """W_s of the leading mode, in mu U r0^2."""
+        return self.strains[0].shear
+
+    @property
+    @quantity(Quantity("W_d", "mu U r0^2", "energy of dilatation of the leading mode"))
+    def dilatation_energy(self) -> float:
+        """W_d of the leading mode, in mu U r0^2."""
+        return self.strains[0].dilatation
+
+    @property
+    @quantity(Quantity("W_b", "mu U r0^2", "energy of bending of the leading mode"))
+    def bending_energy(self) -> float:
+        """W_b of the leading mode, in mu U r0^2."""
+        return self.strains[0].bending
+
+
+def mechanisms(result: Stability) -> Mechanisms:
+    """Turning, strain and deformation of a train's disturbances (Eqs. 16 to 24).
+
+    The leading modes' turning; of the leading mode and of the disturbance that grows fastest at
+    first also the strain energy by part and the spectrum over degrees.
+    """
+    leading = [mode for mode in result.modes if not mode.neutral][:MODES]
+    return Mechanisms(
+        base=result.base,
+        modes=tuple(_turning(result, mode) for mode in leading),
+        strains=(
+            _strain(result, "leading mode", result.leading, result.shape(result.leading)),
+            _strain(result, "fastest at first", result.transient, result.transient_shape()),
+        ),
+    )
+
+
+def _turning(result: Stability, mode: Mode) -> ModeTurning:
+    motion = mode_motion(result, mode)
+    return ModeTurning(
+        mode.growth_rate,
+        mode.azimuthal_number,
+        mode.wave_number,
+        motion.tumbling,
+        motion.tank_treading,
+    )
+
+
+def _strain(
+    result: Stability,
+    name: str,
+    mode: Mode | TransientMode,
+    shape: Float[np.ndarray, "cell 3 coefficient"],
+) -> DisturbanceStrain:
+    from celltrain.diagnostics.energy import perturbation_energy  # JAX
+
+    shear, dilatation, bending = map(float, perturbation_energy(result.base, shape))
+    return DisturbanceStrain(
+        name,
+        mode.azimuthal_number,
+        mode.wave_number,
+        shear,
+        dilatation,
+        bending,
+        deformation_spectrum(shape),
+    )
