@@ -21,10 +21,10 @@ from celltrain.continuation import branch as follow
 from celltrain.continuation.branch import ALONG
 from celltrain.parameters import CaseError, Train
 from celltrain.parameters.resolution import LEAST_DEGREE
+from celltrain.parameters.routing import DIMENSIONS
 from celltrain.results import summary
 from celltrain.stability import NUMBERS, Stability, stability
 from celltrain.steady import Base, steady
-from celltrain.steady.parameters import with_parameter
 
 INTERRUPTED = 130
 
@@ -70,18 +70,14 @@ def branch(
     """
     kinds: list[str] = []
     leaves = given_leaves(options)
-    if from_ is not None and along != "capillary_number":
+    if from_ is not None:
         leaves |= {along: from_}
-
-    def first(train: Train) -> Train:
-        """The capillary number is no leaf of a case, but changes several."""
-        if from_ is None or along != "capillary_number":
-            return train
-        return with_parameter(train, along, from_)
 
     def last(train: Train) -> float:
         """The last value as the package has it; options may be in SI."""
-        return train.scales.dimensionless(along, to) if leaves.get("units") == "SI" else to
+        if leaves.get("units") != "SI":
+            return to
+        return float(train.scales.dimensionless(DIMENSIONS[along], to))
 
     def check(train: Train) -> None:
         # The healthy reduced volume depends a little on a degree that may not be known yet; with
@@ -124,7 +120,7 @@ def branch(
     status = analyse(
         request,
         leaves,
-        Analysis(check, compute, branch_summary, print_branch, pictures, save, change=first),
+        Analysis(check, compute, branch_summary, print_branch, pictures, save),
     )
     if status:
         return status

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.figure import Figure
 
-from celltrain.diagnostics import ModeMotion, deformation_spectrum, mode_motion
+from celltrain.diagnostics import ENERGY_PARTS, ModeMotion, deformation_spectrum, mode_motion
 from celltrain.stability import Mode, Stability
 
 #: Modes whose turning is drawn.
@@ -22,7 +22,7 @@ def draw_strain_energies(result: Stability, path: Path) -> Path:
     Raises:
         OSError: if the picture cannot be written.
     """
-    from celltrain.diagnostics.energy import ENERGY_PARTS, perturbation_energy  # JAX
+    from celltrain.diagnostics.energy import perturbation_energy  # JAX
 
     energies = [perturbation_energy(result.base, shape) for shape in _disturbances(result)]
     figure = Figure(figsize=(6.0, 3.8), dpi=200, layout="constrained")
