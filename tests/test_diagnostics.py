@@ -26,13 +26,8 @@ from celltrain.diagnostics import (
     wall_distance,
 )
 from celltrain.harmonics import azimuthal_basis
-from celltrain.membrane import (
-    ConstitutiveLaw,
-    ElasticBending,
-    NeoHookean,
-    Skalak,
-    reference_coefficients,
-)
+from celltrain.laws import ConstitutiveLaw, ElasticBending, NeoHookean, Skalak
+from celltrain.membrane import reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.results import QUANTITIES

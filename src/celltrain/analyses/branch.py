@@ -12,11 +12,11 @@ from celltrain.continuation.branch import ALONG
 from celltrain.contract import Analysis, Draw, Progress, Setting
 from celltrain.contract.tables import case_line, titled
 from celltrain.parameters import CaseError, Scales, Train
+from celltrain.parameters.dimension import NUMBER
 from celltrain.parameters.resolution import LEAST_DEGREE
-from celltrain.parameters.routing import LEAVES
+from celltrain.parameters.routing import DIMENSIONS
 from celltrain.stability import NUMBERS, Stability, stability
 from celltrain.steady import Base, steady
-from celltrain.steady.parameters import with_parameter
 
 #: Exit status of a curve by the way it ended, 0 for all others.
 STATUS = {"lost": 3, "interrupted": 130}
@@ -42,23 +42,13 @@ class SteadyBranch(Analysis[Branch]):
     most_points: Annotated[int, Setting("End after this many trains.", "whole numbers >= 1")] = 100
 
     def leaves(self) -> dict[str, float]:
-        """The first value, unless it is that of a parameter which is no leaf of a case."""
-        return {self.along: self.first} if self.first is not None and self._is_leaf else {}
+        """The first value."""
+        return {} if self.first is None else {self.along: self.first}
 
     def dimensionless(self, scales: Scales) -> Self:
-        """Both values in the package's units."""
-        first = None if self.first is None else scales.dimensionless(self.along, self.first)
-        return replace(self, to=scales.dimensionless(self.along, self.to), first=first)
-
-    def begin(self, train: Train) -> Train:
-        """The case at the first value."""
-        if self.first is None or self._is_leaf:
-            return train
-        return with_parameter(train, self.along, self.first)
-
-    @property
-    def _is_leaf(self) -> bool:
-        return any(self.along in names for names in LEAVES.values())
+        """With the last value in the package's units."""
+        dimension = DIMENSIONS.get(self.along, NUMBER)
+        return replace(self, to=float(scales.dimensionless(dimension, self.to)))
 
     def check(self, train: Train) -> None:
         """Look at case and settings before anything is computed.

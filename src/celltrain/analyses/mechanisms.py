@@ -42,10 +42,10 @@ class DisturbanceMechanisms(OfStability[Mechanisms]):
         console.print(turning)
         strain = titled(
             "Strain energy at the paper's amplitude, mu U r0^2 (Eq. 24)",
-            *("disturbance", "m", "j", "shear", "dilatation", "bending", "sum"),
+            *("disturbance", "m", "j", *result.strains[0].energies, "sum"),
         )
         for each in result.strains:
-            parts = [*each.energies.values(), sum(each.energies.values())]
+            parts = [*each.energies.values(), each.energy]
             strain.add_row(
                 each.name,
                 str(each.azimuthal_number),

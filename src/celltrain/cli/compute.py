@@ -47,7 +47,6 @@ def run(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Any]) ->
     train, start = read_request(request, {**analysis.leaves(), **leaves})
     if leaves.get("units") == "SI":
         analysis = analysis.dimensionless(train.scales)
-    train = analysis.begin(train)
     analysis.check(train)
     if request.output:
         check_output(request.output)

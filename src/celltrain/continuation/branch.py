@@ -35,12 +35,7 @@ from celltrain.parameters import CaseError, Train
 from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability import Mode, Stability
 from celltrain.steady import Base, NotConverged, steady
-from celltrain.steady.parameters import (
-    PARAMETERS,
-    parameter_value,
-    parameters_of,
-    with_parameter,
-)
+from celltrain.steady.parameters import PARAMETERS, parameter_value, parameters_of
 from celltrain.steady.problem import SteadyProblem, change_of_profile
 from celltrain.steady.room import check_room
 from celltrain.steady.sensitivity import rates_by_parameter
@@ -183,7 +178,7 @@ def check_branch(train: Train, parameter: str, to: float) -> float:
     if parameter not in allowed:
         raise CaseError(f"parameter = {parameter!r} is not allowed; allowed: {', '.join(allowed)}")
     first = parameter_value(train, parameter)
-    check_room(with_parameter(train, parameter, to))
+    check_room(train.changed(**{parameter: to}))
     if to == first or first == 0.0:
         raise CaseError(
             f"to = {to:g} is not allowed: {parameter} is {first:g} at the start; allowed: another"
@@ -210,7 +205,7 @@ def _last(
     """The train at the last value itself, which the curve has just passed."""
     try:
         end = steady(
-            with_parameter(base.train, parameter, to),
+            base.train.changed(**{parameter: to}),
             start=base,
             tolerance=steps.tolerance,
             estimate_error=False,
@@ -228,7 +223,7 @@ def _equations(
     def evaluate(unknowns: Unknowns, near: SteadyPoint) -> Evaluation[SteadyPoint]:
         value = first * float(unknowns[-2])
         try:
-            problem = SteadyProblem(with_parameter(near.problem.train, parameter, value))
+            problem = SteadyProblem(near.problem.train.changed(**{parameter: value}))
             found = evaluate_steady(problem, np.delete(unknowns, -2), near)
             profile = change_of_profile(UNIT * unknowns[:-2])
             varied = VariedTrain(problem, profile, parameter)

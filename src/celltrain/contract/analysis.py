@@ -95,10 +95,6 @@ class Analysis(Presentation[Result]):
         """These settings with values in r0, U and mu, where they were given in SI."""
         return self
 
-    def begin(self, train: Train) -> Train:
-        """The case to begin with, made of the one that was given."""
-        return train
-
     def check(self, train: Train) -> None:
         """Look at case and settings before anything is computed.
 

@@ -13,7 +13,7 @@ from celltrain.diagnostics.haematocrit import (
 )
 from celltrain.diagnostics.mechanisms import Mechanisms, mechanisms
 from celltrain.diagnostics.modes import ModeMotion, mode_motion
-from celltrain.diagnostics.quantities import FRAME_QUANTITIES, FrameQuantity
+from celltrain.diagnostics.quantities import ENERGY_PARTS, FRAME_QUANTITIES, FrameQuantity
 from celltrain.diagnostics.spectrum import deformation_spectrum, disturbance_amplitude
 from celltrain.diagnostics.streamlines import (
     MeridionalFlow,
@@ -25,7 +25,7 @@ from celltrain.diagnostics.streamlines import (
 if TYPE_CHECKING:
     from celltrain.diagnostics.distance import cell_distance, wall_distance
     from celltrain.diagnostics.ellipsoid import Ellipsoid, best_ellipsoid
-    from celltrain.diagnostics.energy import ENERGY_PARTS, energy_parts, perturbation_energy
+    from celltrain.diagnostics.energy import energy_parts, perturbation_energy
     from celltrain.diagnostics.fields import SurfaceFields, surface_fields
     from celltrain.diagnostics.frames import frame
     from celltrain.diagnostics.moments import CellMoments, cell_moments
@@ -68,7 +68,7 @@ __all__ = [
 _LATER = {
     "distance": ("cell_distance", "wall_distance"),
     "ellipsoid": ("Ellipsoid", "best_ellipsoid"),
-    "energy": ("ENERGY_PARTS", "energy_parts", "perturbation_energy"),
+    "energy": ("energy_parts", "perturbation_energy"),
     "fields": ("SurfaceFields", "surface_fields"),
     "frames": ("frame",),
     "moments": ("CellMoments", "cell_moments"),

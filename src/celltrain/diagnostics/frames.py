@@ -10,9 +10,9 @@ from jaxtyping import Array, Float
 
 from celltrain.diagnostics.distance import cell_distance, wall_distance
 from celltrain.diagnostics.ellipsoid import best_ellipsoid
-from celltrain.diagnostics.energy import ENERGY_PARTS, energy_parts
+from celltrain.diagnostics.energy import energy_parts
 from celltrain.diagnostics.moments import cell_moments
-from celltrain.diagnostics.quantities import FRAME_QUANTITIES
+from celltrain.diagnostics.quantities import ENERGY_PARTS, FRAME_QUANTITIES
 from celltrain.diagnostics.rotation import cell_motion
 from celltrain.diagnostics.spectrum import deformation_spectrum
 from celltrain.membrane.energy import Membrane

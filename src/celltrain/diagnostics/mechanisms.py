@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.diagnostics.modes import mode_motion
+from celltrain.diagnostics.quantities import ENERGY_PARTS
 from celltrain.diagnostics.spectrum import deformation_spectrum
 from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability import Mode, Stability, TransientMode
@@ -47,14 +48,9 @@ class DisturbanceStrain(Record):
     name: Annotated[str, Quantity("", "1", "which disturbance")]
     azimuthal_number: Annotated[int, Quantity("m", "1", "azimuthal number")]
     wave_number: Annotated[int, Quantity("j", "1", "wave number")]
-    shear: Annotated[
-        float, Quantity("W_s", "mu U r0^2", "energy of shear", source="Eqs. (23) and (24)")
-    ]
-    dilatation: Annotated[
-        float, Quantity("W_d", "mu U r0^2", "energy of dilatation", source="Eqs. (23) and (24)")
-    ]
-    bending: Annotated[
-        float, Quantity("W_b", "mu U r0^2", "energy of bending", source="Eqs. (23) and (24)")
+    energies: Annotated[
+        dict[str, float],
+        Quantity("W", "mu U r0^2", "strain energy by part", source="Eqs. (23) and (24)"),
     ]
     spectrum: Annotated[
         Float[np.ndarray, " degree"],
@@ -62,9 +58,10 @@ class DisturbanceStrain(Record):
     ]
 
     @property
-    def energies(self) -> dict[str, float]:
-        """The energy by its parts."""
-        return {"shear": self.shear, "dilatation": self.dilatation, "bending": self.bending}
+    @quantity(Quantity("W", "mu U r0^2", "strain energy"))
+    def energy(self) -> float:
+        """The sum of all parts, in mu U r0^2."""
+        return sum(self.energies.values())
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,22 +76,16 @@ class Mechanisms(Record):
     strains: tuple[DisturbanceStrain, ...]
 
     @property
-    @quantity(Quantity("W_s", "mu U r0^2", "energy of shear of the leading mode"))
-    def shear_energy(self) -> float:
-        """W_s of the leading mode, in mu U r0^2."""
-        return self.strains[0].shear
+    @quantity(Quantity("W", "mu U r0^2", "strain energy of the leading mode"))
+    def leading_energy(self) -> float:
+        """W of the leading mode, in mu U r0^2."""
+        return self.strains[0].energy
 
     @property
-    @quantity(Quantity("W_d", "mu U r0^2", "energy of dilatation of the leading mode"))
-    def dilatation_energy(self) -> float:
-        """W_d of the leading mode, in mu U r0^2."""
-        return self.strains[0].dilatation
-
-    @property
-    @quantity(Quantity("W_b", "mu U r0^2", "energy of bending of the leading mode"))
-    def bending_energy(self) -> float:
-        """W_b of the leading mode, in mu U r0^2."""
-        return self.strains[0].bending
+    @quantity(Quantity(r"W_\eta", "mu U r0^2", "strain energy of what grows fastest at first"))
+    def transient_energy(self) -> float:
+        """W of the disturbance that grows fastest at first, in mu U r0^2."""
+        return self.strains[1].energy
 
 
 def mechanisms(result: Stability) -> Mechanisms:
@@ -133,13 +124,11 @@ def _strain(
 ) -> DisturbanceStrain:
     from celltrain.diagnostics.energy import perturbation_energy  # JAX
 
-    shear, dilatation, bending = map(float, perturbation_energy(result.base, shape))
+    parts = map(float, perturbation_energy(result.base, shape))
     return DisturbanceStrain(
         name,
         mode.azimuthal_number,
         mode.wave_number,
-        shear,
-        dilatation,
-        bending,
+        dict(zip(ENERGY_PARTS, parts, strict=True)),
         deformation_spectrum(shape),
     )

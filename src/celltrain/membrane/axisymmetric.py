@@ -15,7 +15,8 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.harmonics import Profile, azimuthal_weight, cylindrical_members
-from celltrain.membrane.bending import BendingLaw
+from celltrain.laws.bending import BendingLaw
+from celltrain.laws.constitutive import ConstitutiveLaw
 from celltrain.membrane.density import (
     Forms,
     RestGeometry,
@@ -25,7 +26,6 @@ from celltrain.membrane.density import (
 )
 from celltrain.membrane.forms import PointwiseEnergy, fundamental_forms, in_components
 from celltrain.membrane.jets import variables
-from celltrain.membrane.laws import ConstitutiveLaw
 from celltrain.membrane.meridian import Meridian, meridian
 
 Vector = Float[np.ndarray, " member"]

@@ -9,9 +9,9 @@ polynomials in the derivatives of x. All else, invariants and curvatures, is mad
 
 from typing import NamedTuple
 
-from celltrain.membrane.arithmetic import Number
-from celltrain.membrane.bending import BendingLaw, Mixed
-from celltrain.membrane.laws import ConstitutiveLaw
+from celltrain.laws.arithmetic import Number
+from celltrain.laws.bending import BendingLaw, Mixed
+from celltrain.laws.constitutive import ConstitutiveLaw
 
 
 class Forms(NamedTuple):

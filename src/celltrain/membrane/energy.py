@@ -2,8 +2,7 @@
 
     E = int [ W(I1, I2) + B(kappa, kappa_ref) ] dA_ref,   kappa = a^-1 b,
 
-with W that of a constitutive law (`laws`) and B that of bending (`bending`), put together in
-`density`.
+with W that of a constitutive law and B that of bending (see `laws`), put together in `density`.
 
 The force per unit of solid angle has the harmonic coefficients F_c = -dE/ds_c exactly, because the
 harmonics are orthonormal. No surface Jacobian and no third derivative appears, and the net force
@@ -21,10 +20,10 @@ from jaxtyping import Array, Float
 import celltrain.runtime  # noqa: F401
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.tables import HarmonicTables, harmonic_tables
-from celltrain.membrane.bending import BENDINGS, BendingLaw
+from celltrain.laws.bending import BENDINGS, BendingLaw
+from celltrain.laws.constitutive import LAWS, ConstitutiveLaw
 from celltrain.membrane.density import RestGeometry, energy_density, invariants, rest_geometry
 from celltrain.membrane.geometry import surface_forms, volume
-from celltrain.membrane.laws import LAWS, ConstitutiveLaw
 
 # Their moduli are leaves: other values compile nothing anew, and derivatives by them exist.
 for _kind in (*LAWS.values(), *BENDINGS.values()):

@@ -9,18 +9,27 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from celltrain.parameters.fields import symbol
+from celltrain.parameters.routing import DIMENSIONS, TAKEN
 from celltrain.quantities.fields import unit_label
 
 #: What is drawn of a study.
 DRAWN = ("spectral_abscissa", "numerical_abscissa", "gap", "effective_viscosity")
-#: How axes of studies are called in pictures.
+
+
+def _label(text: str, unit: str) -> str:
+    """A symbol over its unit, such as ``$D/r_0$``."""
+    measured = unit.replace("mu", r"\mu").replace("r0", "r_0")
+    over = f"({measured})" if " " in measured or "/" in measured else measured
+    return f"${text}$" if unit == "1" else f"${text}/{over}$"
+
+
+#: How axes of studies are called in pictures; a figure of the paper calls its own Ca.
 LABELS = {
-    "diameter": r"$D/r_0$",
-    "packing": r"$\phi$",
-    "viscosity_ratio": r"$\lambda$",
-    "reduced_volume": "$v$",
-    "Ca": "Ca",
-}
+    name: _label(text, DIMENSIONS[name].unit)
+    for name, field in TAKEN.items()
+    if (text := symbol(field)) is not None
+} | {"Ca": "Ca"}
 # More curves than this are drawn as a map.
 MOST_CURVES = 4
 

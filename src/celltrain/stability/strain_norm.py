@@ -23,12 +23,8 @@ import scipy.linalg
 from jaxtyping import Float
 
 from celltrain.harmonics import azimuthal_basis, profile_of
-from celltrain.membrane import (
-    AxisymmetricMembrane,
-    ElasticBending,
-    axisymmetric_membrane,
-    cell_material,
-)
+from celltrain.laws import ElasticBending
+from celltrain.membrane import AxisymmetricMembrane, axisymmetric_membrane, cell_material
 from celltrain.parameters import CaseError, Train
 from celltrain.stability.norms import Grams, Norm, Shape, SurfaceNorm
 
