@@ -36,7 +36,8 @@ ROOMS = (
 WITHOUT_JAX = ("parameters", "harmonics", "membrane", "meridian", "steady", "stability", "study")
 #: Modules for cells of any shape that stand beside those of their subject.
 WITH_JAX = {
-    f"harmonics/{name}.py" for name in ("grid", "longitude", "polar", "rotation", "tables")
+    f"harmonics/{name}.py"
+    for name in ("grid", "jax_shapes", "longitude", "polar", "rotation", "tables")
 } | {"membrane/energy.py", "membrane/geometry.py"}
 
 
