@@ -46,7 +46,8 @@ WITHOUT_JAX = (
 )
 #: Modules for cells of any shape that stand beside those of their subject.
 WITH_JAX = {
-    f"harmonics/{name}.py" for name in ("grid", "longitude", "polar", "rotation", "tables")
+    f"harmonics/{name}.py"
+    for name in ("grid", "jax_shapes", "longitude", "polar", "rotation", "tables")
 } | {"membrane/energy.py", "membrane/geometry.py"}
 
 

@@ -25,12 +25,12 @@ from celltrain.continuation.arclength import (
     trace_curve,
 )
 from celltrain.continuation.equations import (
-    UNIT,
     SteadyPoint,
     evaluate_steady,
     known_point,
     to_unknowns,
 )
+from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.parameters import CaseError, Train
 from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability import Mode, Stability
@@ -225,7 +225,7 @@ def _equations(
         try:
             problem = SteadyProblem(near.problem.train.changed(**{parameter: value}))
             found = evaluate_steady(problem, np.delete(unknowns, -2), near)
-            profile = change_of_profile(UNIT * unknowns[:-2])
+            profile = change_of_profile(UNIT_DISPLACEMENT * unknowns[:-2])
             varied = VariedTrain(problem, profile, parameter)
         except CaseError as error:
             raise NoSolution(str(error)) from None

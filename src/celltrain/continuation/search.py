@@ -21,13 +21,12 @@ import numpy as np
 from celltrain.continuation.arclength import Evaluation, NoSolution, Unknowns
 from celltrain.continuation.deflation import Tries, deflated_newton
 from celltrain.continuation.equations import (
-    UNIT,
     SteadyPoint,
     evaluate_steady,
     known_point,
     to_unknowns,
 )
-from celltrain.harmonics import Profile
+from celltrain.harmonics import UNIT_DISPLACEMENT, Profile
 from celltrain.meridian.geometry import crosses_itself
 from celltrain.parameters import CaseError
 from celltrain.quantities import Quantity, Record, quantity
@@ -178,7 +177,7 @@ def first_guesses(known: Base) -> Iterator[tuple[str, Profile]]:
     degrees = np.tile(np.arange(1, train.degree), 2)
     for number, size in enumerate(DISTURBED, 1):
         amounts = random.normal(size=len(degrees)) * (degrees <= LOWEST)
-        amounts *= size * UNIT / np.linalg.norm(amounts)
+        amounts *= size * UNIT_DISPLACEMENT / np.linalg.norm(amounts)
         disturbed = profile + change_of_profile(amounts)
         yield f"the known one disturbed by {size:g} r0 (draw {number})", disturbed
 

@@ -11,7 +11,6 @@ and effective viscosity change along (da/dp, 1). Nothing depends on the viscosit
 train's cells move rigidly.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
@@ -19,7 +18,7 @@ from typing import Annotated
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import Profile, coefficients_of
+from celltrain.harmonics import UNIT_DISPLACEMENT, Profile, coefficients_of
 from celltrain.quantities import Quantity, Record
 from celltrain.steady.base import Base
 from celltrain.steady.parameters import check_parameters, parameters_of
@@ -110,7 +109,7 @@ def _sensitivity(
     return BaseSensitivity(
         parameter=name,
         coefficients=coefficients_of(slope),
-        cell_velocity=float(changes[0]) / math.sqrt(4.0 * math.pi),
+        cell_velocity=float(changes[0]) / UNIT_DISPLACEMENT,
         effective_viscosity=float(changes[-1]),
         residual=float(np.abs(changes[1:-1]).max()) / size if size > 0.0 else 0.0,
     )
