@@ -25,7 +25,7 @@ from celltrain.continuation import (
 )
 from celltrain.continuation.deflation import deflated_step, deflation
 from celltrain.continuation.search import SAME, first_guesses, reversed_profile
-from celltrain.harmonics import coefficients_of
+from celltrain.harmonics import UNIT_DISPLACEMENT, coefficients_of
 from celltrain.meridian.geometry import crosses_itself, meridian_points
 
 # x^3 = x and y^2 = 4: six roots.
@@ -107,7 +107,7 @@ def test_guesses_have_the_sizes_they_name(coarse_base: Base) -> None:
     z = meridian_points(guesses["the resting shape bent by +0.6 r0"] - rest, 201)[1]
     assert_allclose(z[0] - z[100], 0.6, rtol=1e-12)
     disturbed = guesses["the known one disturbed by 0.5 r0 (draw 3)"] - coarse_base.profile
-    assert_allclose(np.linalg.norm(disturbed), 0.5 * np.sqrt(4 * np.pi), rtol=1e-12)
+    assert_allclose(np.linalg.norm(disturbed), 0.5 * UNIT_DISPLACEMENT, rtol=1e-12)
     assert len(guesses) == 12
 
 

@@ -12,14 +12,8 @@ from celltrain import CaseError, Train, stability, steady
 from celltrain.diagnostics import perturbation_energy
 from celltrain.diagnostics.energy import energy_parts
 from celltrain.harmonics import azimuthal_basis, coefficients_of, profile_of
-from celltrain.membrane import (
-    BalancedMomentBending,
-    ElasticBending,
-    MomentBending,
-    Skalak,
-    axisymmetric_membrane,
-    reference_coefficients,
-)
+from celltrain.laws import BalancedMomentBending, ElasticBending, MomentBending, Skalak
+from celltrain.membrane import axisymmetric_membrane, reference_coefficients
 from celltrain.membrane.density import (
     Forms,
     area_density,

@@ -14,6 +14,7 @@ ROOMS = (
     "environment",
     "clock",
     "runtime",
+    "laws",
     "parameters",
     "harmonics",
     "membrane",
@@ -33,10 +34,20 @@ ROOMS = (
     "cli",
 )
 #: What the main job passes through; none of it imports JAX.
-WITHOUT_JAX = ("parameters", "harmonics", "membrane", "meridian", "steady", "stability", "study")
+WITHOUT_JAX = (
+    "laws",
+    "parameters",
+    "harmonics",
+    "membrane",
+    "meridian",
+    "steady",
+    "stability",
+    "study",
+)
 #: Modules for cells of any shape that stand beside those of their subject.
 WITH_JAX = {
-    f"harmonics/{name}.py" for name in ("grid", "longitude", "polar", "rotation", "tables")
+    f"harmonics/{name}.py"
+    for name in ("grid", "jax_shapes", "longitude", "polar", "rotation", "tables")
 } | {"membrane/energy.py", "membrane/geometry.py"}
 
 

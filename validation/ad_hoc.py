@@ -14,7 +14,7 @@ from page import FOLDER, Page
 from celltrain import Stability, Train, stability, steady
 from celltrain.diagnostics import disturbance_amplitude
 from celltrain.evolution import Leading, RandomDisplacement, linear_prediction
-from celltrain.study import save_dataset
+from celltrain.results import write_dataset
 
 FILE = FOLDER / "data" / "ad-hoc.nc"
 DEGREE, CELLS, DIAMETER, AMPLITUDE = 12, 8, 10.0, 0.1
@@ -161,7 +161,7 @@ def study() -> None:
             data.load()
     else:
         data = compute(page)
-        save_dataset(data, FILE)
+        write_dataset(data, FILE)
     page.text(
         f"""
 Fig. 11: cells displaced at random, without deformation, take 4.3 (packing 0.2) and 2.7 (packing

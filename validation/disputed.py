@@ -15,13 +15,12 @@ from page import FOLDER, Page, plain_figure
 
 from celltrain import Base, CaseError, NotConverged, Train, steady
 from celltrain.parameters import paper_units
+from celltrain.results import write_dataset
 from celltrain.stability.convergence import ACCURACY, LEAST_ERROR
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.spectrum import growing_eigenvalues
 from celltrain.steady.degree import DEGREES, Convergence
-from celltrain.steady.parameters import with_parameter
-from celltrain.study import save_dataset
 
 FILE = FOLDER / "data" / "disputed.nc"
 CELLS = 8
@@ -76,7 +75,7 @@ class Place:
         train = Train(diameter=self.diameter, packing=self.packing, cells=CELLS)
         if self.varied == CAPILLARY:
             capillary = paper_units.capillary_number_from_paper(self.value)
-            return with_parameter(train, CAPILLARY, capillary)
+            return train.changed(capillary_number=capillary)
         return train.changed(**{self.varied: self.value})
 
 
@@ -173,7 +172,7 @@ def computed(page: Page) -> xr.Dataset:
         for name, column in zip(NUMBERS, rows.T, strict=True):
             data[name].loc[{"case": place.name}] = column
         data["seconds"].loc[{"case": place.name}] = time.perf_counter() - begin
-        save_dataset(data, FILE)
+        write_dataset(data, FILE)
         page.log(place.name)
     return data
 

@@ -12,11 +12,10 @@ from page import FOLDER, Page, plain_figure
 
 from celltrain import Train, steady
 from celltrain.parameters import paper_units
+from celltrain.results import write_dataset
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.spectrum import growing_eigenvalues
-from celltrain.steady.parameters import with_parameter
-from celltrain.study import save_dataset
 
 FILE = FOLDER / "data" / "double-point.nc"
 SOLVER = FOLDER / "data" / "paper-solver.toml"
@@ -34,10 +33,12 @@ def compute(page: Page) -> xr.Dataset:
     for row, degree in enumerate(DEGREES):
         base = None
         for column, each in enumerate(capillary):
-            train = with_parameter(
-                Train(diameter=8, packing=0.2, cells=1, degree=degree),
-                "capillary_number",
-                paper_units.capillary_number_from_paper(each),
+            train = Train(
+                diameter=8,
+                packing=0.2,
+                cells=1,
+                degree=degree,
+                capillary_number=paper_units.capillary_number_from_paper(each),
             )
             base = steady(train, start=base, estimate_error=False)
             [block] = linear_blocks(base, [0.0], [TILT])[TILT]
@@ -73,7 +74,7 @@ def study() -> None:
             data.load()
     else:
         data = compute(page)
-        save_dataset(data, FILE)
+        write_dataset(data, FILE)
     solver = tomllib.loads(SOLVER.read_text())
     page.text(
         """

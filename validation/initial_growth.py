@@ -8,12 +8,12 @@ import xarray as xr
 from page import FOLDER, Page, plain_figure
 
 from celltrain import Train, steady
+from celltrain.results import write_dataset
 from celltrain.stability import NORMS, StrainNorm, normed_block
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import Norm
 from celltrain.steady.degree import DEGREES, remaining
-from celltrain.study import save_dataset
 
 FILE = FOLDER / "data" / "initial-growth.nc"
 CELLS, MOST_AZIMUTHAL = 8, 8
@@ -74,7 +74,7 @@ def study() -> None:
             data.load()
     else:
         data = compute(page)
-        save_dataset(data, FILE)
+        write_dataset(data, FILE)
     page.text(
         f"""
 eta, the largest growth rate at the first moment (Eq. 15) of disturbances that keep the cells'

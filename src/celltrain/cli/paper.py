@@ -20,8 +20,8 @@ from celltrain.paper import FIGURES, PaperFigure, findings_table, paper_study
 from celltrain.paper.resolutions import CONVERGED, PAPER, Resolutions
 from celltrain.paper.trains import PAPER_DEGREE
 from celltrain.parameters import CaseError
-from celltrain.results import replace_file
-from celltrain.study import save_dataset, study_dataset, table
+from celltrain.results import replace_file, save, write_dataset
+from celltrain.study import collect
 
 FigureName = Annotated[
     Literal[
@@ -135,12 +135,12 @@ def _data(
             with xr.open_dataset(path) as kept:
                 return kept.load(), [], False
         data = figure.compute(degree)
-        return data, [save_dataset(data, path)], False
+        return data, [write_dataset(data, path)], False
     study = paper_study(figure, quick=quick, degree=degree)
     records = compute(study, run, errors)
-    data = study_dataset(study, records)
-    written = [save_dataset(data, path), _write(table(study, records), run.folder / "table.md")]
-    return data, written, any(record.status == "failed" for record in records.values())
+    result = collect(study, records)
+    written = [save(result, path), _write(result.table(), run.folder / "table.md")]
+    return result.data, written, any(record.status == "failed" for record in records.values())
 
 
 def _write(text: str, path: Path) -> Path:

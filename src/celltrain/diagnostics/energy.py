@@ -15,26 +15,23 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.diagnostics.quantities import ENERGY_PARTS
 from celltrain.diagnostics.spectrum import disturbance_amplitude
-from celltrain.membrane import MomentBending, with_moduli
+from celltrain.harmonics import Shapes
+from celltrain.harmonics.jax_shapes import JaxShape
+from celltrain.laws import MomentBending
+from celltrain.membrane import with_moduli
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError
 from celltrain.steady import Base
 from celltrain.train import train_membrane
 
-#: The parts of the energy, and the modulus of the membrane that each belongs to.
-ENERGY_PARTS = {
-    "shear": "shear_modulus",
-    "dilatation": "dilatation_modulus",
-    "bending": "bending_modulus",
-}
-
 #: The amplitude at which the paper computes energies, in r0.
 PAPER_AMPLITUDE = 1e-3
 
 
-def energy_parts(membrane: Membrane, shape: Float[Array, "3 coefficient"]) -> Float[Array, "3"]:
-    """Shear, dilatation and bending energy of one cell, in mu U r0^2.
+def energy_parts(membrane: Membrane, shape: JaxShape) -> Float[Array, " part"]:
+    """Energy of one cell by `ENERGY_PARTS`: shear, dilatation, bending; in mu U r0^2.
 
     The energy is linear in the moduli, so each part is the energy with the other moduli zero. A law
     without a dilatation modulus has no energy of dilatation. That of bending moments is not a
@@ -70,9 +67,9 @@ def _with_only(membrane: Membrane, modulus: str) -> Membrane:
 
 def perturbation_energy(
     base: Base,
-    disturbance: Float[np.ndarray, "cell 3 coefficient"],
+    disturbance: Shapes,
     amplitude: float = PAPER_AMPLITUDE,
-) -> Float[np.ndarray, "3"]:
+) -> Float[np.ndarray, " part"]:
     """Strain energy of a disturbance by shear, dilatation and bending, Eq. (24) and Table I.
 
         W = (r0/(eps N)) sum_i (W_i - W_i^B),
@@ -112,5 +109,5 @@ def perturbation_energy(
 @eqx.filter_jit
 def _energies(
     membrane: Membrane, shapes: Float[Array, "shape 3 coefficient"]
-) -> Float[Array, "shape 3"]:
+) -> Float[Array, "shape part"]:
     return jax.vmap(lambda shape: energy_parts(membrane, shape))(shapes)

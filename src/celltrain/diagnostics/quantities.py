@@ -5,6 +5,13 @@ Names differ from those of other results, so that all can go into one file.
 
 from dataclasses import dataclass
 
+from celltrain.parameters.fields import symbol
+from celltrain.parameters.routing import KEPT
+from celltrain.parameters.strength import MODULI
+
+#: The parts of the strain energy, and the modulus of the membrane that each belongs to.
+ENERGY_PARTS = {modulus.removesuffix("_modulus"): modulus for modulus in MODULI}
+
 
 @dataclass(frozen=True)
 class FrameQuantity:
@@ -85,16 +92,17 @@ FRAME_QUANTITIES: dict[str, FrameQuantity] = _table(
         "rate at which the membrane turns around the cell",
         ("cell",),
     ),
-    FrameQuantity("energy_shear", "W_s", "mu U r0^2", "strain energy of shear (Eq. 23)", ("cell",)),
-    FrameQuantity(
-        "energy_dilatation", "W_d", "mu U r0^2", "strain energy of dilatation (Eq. 23)", ("cell",)
-    ),
-    FrameQuantity(
-        "energy_bending",
-        "W_b",
-        "mu U r0^2",
-        "strain energy of bending (Eq. 23), not a number for bending moments, which have none",
-        ("cell",),
+    *(
+        FrameQuantity(
+            f"energy_{part}",
+            # W_s of E_s.
+            f"W{(symbol(KEPT[modulus]) or part)[1:]}",
+            "mu U r0^2",
+            f"strain energy of {part} (Eq. 23), the part with the {part} modulus"
+            + (", not a number for bending moments" if part == "bending" else ""),
+            ("cell",),
+        )
+        for part, modulus in ENERGY_PARTS.items()
     ),
     FrameQuantity(
         "shape_spectrum",

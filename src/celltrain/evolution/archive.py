@@ -22,7 +22,8 @@ from celltrain.evolution.repulsion import Repulsion
 from celltrain.evolution.run import Run
 from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
 from celltrain.evolution.state import State
-from celltrain.results import dataset, load, reading, replace_file
+from celltrain.results import from_dataset, read_dataset, replace_file, to_dataset
+from celltrain.results.netcdf import reading
 from celltrain.stability import Stability
 from celltrain.steady import Base
 
@@ -56,7 +57,7 @@ class Archive:
     def _start(self, run: Run) -> xr.Dataset:
         """The part of the file that stays the same."""
         if self._of_start is None or self._of_start[0] is not run.start:
-            self._of_start = (run.start, dataset(run.start))
+            self._of_start = (run.start, to_dataset(run.start))
         return self._of_start[1]
 
 
@@ -96,12 +97,11 @@ def load_run(path: Path) -> Run:
     **Raises:** `OSError` if it cannot be read or lacks what this version needs, `ValueError` if it
     holds no simulation.
     """
-    start = load(path)
-    with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
-        data.load()
+    data = read_dataset(path)
+    start = from_dataset(Stability if data.attrs["kind"] == "stability" else Base, data)
     if "ending" not in data.attrs:
         raise ValueError(f"{str(path)!r} is a result of celltrain, but holds no simulation")
-    with reading(path, data):
+    with reading(data):
         return _run(start, data)
 
 

@@ -15,7 +15,8 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.harmonics import Profile, azimuthal_weight, cylindrical_members
-from celltrain.membrane.bending import BendingLaw, MomentBending
+from celltrain.laws.bending import BendingLaw, MomentBending
+from celltrain.laws.constitutive import ConstitutiveLaw
 from celltrain.membrane.density import (
     Forms,
     RestGeometry,
@@ -32,7 +33,6 @@ from celltrain.membrane.forms import (
     with_turning,
 )
 from celltrain.membrane.jets import Jet, variables
-from celltrain.membrane.laws import ConstitutiveLaw
 from celltrain.membrane.meridian import Meridian, meridian
 
 Vector = Float[np.ndarray, " member"]

@@ -10,9 +10,9 @@ energy, and the work of bending moments, which have none.
 
 from typing import NamedTuple
 
-from celltrain.membrane.arithmetic import Number
-from celltrain.membrane.bending import BendingLaw, Mixed, MomentBending
-from celltrain.membrane.laws import ConstitutiveLaw
+from celltrain.laws.arithmetic import Number
+from celltrain.laws.bending import BendingLaw, Mixed, MomentBending
+from celltrain.laws.constitutive import ConstitutiveLaw
 from celltrain.parameters import CaseError
 
 

@@ -2,8 +2,8 @@
 
     E = int [ W(I1, I2) + B(kappa, kappa_ref) ] dA_ref,   kappa = a^-1 b,
 
-with W that of a constitutive law (`laws`) and B that of bending (`bending`), put together in
-`density`. Bending moments have no energy; their force is found from the work that they do.
+with W that of a constitutive law and B that of bending (see `laws`), put together in `density`.
+Bending moments have no energy; their force is found from the work that they do.
 
 The force per unit of solid angle has the harmonic coefficients F_c = -dE/ds_c exactly, because the
 harmonics are orthonormal. No surface Jacobian and no third derivative appears, and the net force
@@ -21,9 +21,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 import celltrain.runtime  # noqa: F401
+from celltrain.harmonics import Shape, degree_of
 from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.jax_shapes import JaxShape
 from celltrain.harmonics.tables import HarmonicTables, harmonic_tables
-from celltrain.membrane.bending import BENDINGS, BendingLaw, MomentBending
+from celltrain.laws.bending import BENDINGS, BendingLaw, MomentBending
+from celltrain.laws.constitutive import LAWS, ConstitutiveLaw
 from celltrain.membrane.density import (
     RestGeometry,
     energy_density,
@@ -33,7 +36,6 @@ from celltrain.membrane.density import (
     rest_geometry,
 )
 from celltrain.membrane.geometry import surface_forms, volume
-from celltrain.membrane.laws import LAWS, ConstitutiveLaw
 
 _Law = TypeVar("_Law", ConstitutiveLaw, BendingLaw)
 
@@ -69,9 +71,9 @@ class Membrane(eqx.Module):
     weights: Float[Array, " point"]
     inverse_sine: Float[Array, " point"]
     reference: RestGeometry
-    reference_shape: Float[Array, "3 coefficient"]
+    reference_shape: JaxShape
 
-    def energy(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, ""]:
+    def energy(self, coefficients: JaxShape) -> Float[Array, ""]:
         """Elastic energy of one cell, in mu U r0^2.
 
         **Raises:** `CaseError` for bending moments, which have none.
@@ -80,19 +82,19 @@ class Membrane(eqx.Module):
         density = energy_density(self.law, self.bending, forms, self.reference)
         return jnp.sum(density * self._rest_weights)
 
-    def in_plane_energy(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, ""]:
+    def in_plane_energy(self, coefficients: JaxShape) -> Float[Array, ""]:
         """Elastic energy of one cell without bending, in mu U r0^2."""
         forms = surface_forms(self.tables, coefficients)
         density = in_plane_density(self.law, forms, self.reference)
         return jnp.sum(density * self._rest_weights)
 
     def invariants(
-        self, coefficients: Float[Array, "3 coefficient"]
+        self, coefficients: JaxShape
     ) -> tuple[Float[Array, " point"], Float[Array, " point"]]:
         """Strain invariants I1 = tr(C) - 2 and I2 = det(C) - 1 of a shape, on the grid."""
         return invariants(surface_forms(self.tables, coefficients), self.reference)
 
-    def force(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, "3 coefficient"]:
+    def force(self, coefficients: JaxShape) -> JaxShape:
         """Coefficients of the force per solid angle on the fluid, F = -dE/ds, in mu U r0.
 
         With bending moments what they do is in the place of the derivatives of their energy.
@@ -114,17 +116,15 @@ class Membrane(eqx.Module):
         """Reference area of each point."""
         return self.reference.area * self.inverse_sine * self.weights
 
-    def volume(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, ""]:
+    def volume(self, coefficients: JaxShape) -> Float[Array, ""]:
         """Enclosed volume, in r0^3."""
         return volume(self.tables, self.weights, self.inverse_sine, coefficients)
 
-    def volume_gradient(
-        self, coefficients: Float[Array, "3 coefficient"]
-    ) -> Float[Array, "3 coefficient"]:
+    def volume_gradient(self, coefficients: JaxShape) -> JaxShape:
         """dV/ds: the coefficients of n dS/dOmega, in r0^2."""
         return jax.grad(self.volume)(coefficients)
 
-    def at_rest_in(self, shape: Float[Array, "3 coefficient"]) -> "Membrane":
+    def at_rest_in(self, shape: JaxShape) -> "Membrane":
         """The same membrane with another resting shape."""
         return eqx.tree_at(
             lambda each: (each.reference, each.reference_shape),
@@ -136,7 +136,7 @@ class Membrane(eqx.Module):
 def make_membrane(
     law: ConstitutiveLaw,
     bending: BendingLaw,
-    reference_shape: Float[np.ndarray, "3 coefficient"],
+    reference_shape: Shape,
     *,
     energy_order: int,
 ) -> Membrane:
@@ -145,7 +145,7 @@ def make_membrane(
     **Arguments:** `energy_order`: rings of the grid on which the energy is integrated; 3 M is the
     paper's choice.
     """
-    degree = int(np.sqrt(reference_shape.shape[-1]))
+    degree = degree_of(reference_shape)
     grid = sphere_grid(1, energy_order)
     theta, phi = grid.points()
     tables = harmonic_tables(degree, theta, phi)
@@ -161,7 +161,7 @@ def make_membrane(
     )
 
 
-def _rest_geometry(tables: HarmonicTables, shape: Float[Array, "3 coefficient"]) -> RestGeometry:
+def _rest_geometry(tables: HarmonicTables, shape: JaxShape) -> RestGeometry:
     return rest_geometry(surface_forms(tables, shape))
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.membrane.arithmetic import Number
+from celltrain.laws.arithmetic import Number
 from celltrain.membrane.density import Forms
 from celltrain.membrane.jets import Jet
 

@@ -13,7 +13,6 @@ from celltrain.paper.resolutions import LABELS, PAPER, Resolutions, Style, best,
 from celltrain.paper.trains import CELLS, CORNERS, dataset
 from celltrain.parameters import Train, paper_units
 from celltrain.steady import Base, steady
-from celltrain.steady.parameters import with_parameter
 
 #: The paper's criterion of convergence, velocity along the normal in U.
 CONVERGED = 1e-4
@@ -36,9 +35,7 @@ def trains(degree: int | None) -> Iterator[tuple[str, Base]]:
     train = Train(diameter=8, packing=0.2, cells=CELLS, degree=degree)
     base = steady(train, estimate_error=False)
     for letter, capillary in zip("ab", CAPILLARY, strict=True):
-        changed = with_parameter(
-            train, "capillary_number", paper_units.capillary_number_from_paper(capillary)
-        )
+        changed = train.changed(capillary_number=paper_units.capillary_number_from_paper(capillary))
         base = steady(changed, start=base, estimate_error=False)
         yield f"15 ({letter}): D = 8, packing 0.2, Ca = {capillary:g}", base
     dense = steady(train.changed(packing=0.7), estimate_error=False)

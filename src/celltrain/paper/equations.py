@@ -14,14 +14,14 @@ class Equation:
 
 #: All of them, in the paper's order. Names are checked by a test.
 EQUATIONS = (
-    Equation("1", "in-plane energy of the membrane", ("celltrain.membrane.laws.Skalak",)),
+    Equation("1", "in-plane energy of the membrane", ("celltrain.laws.constitutive.Skalak",)),
     Equation(
         "2",
         "bending: an energy by default, the moments as the paper's solver has them, or balanced",
         (
-            "celltrain.membrane.bending.ElasticBending",
-            "celltrain.membrane.bending.MomentBending",
-            "celltrain.membrane.bending.BalancedMomentBending",
+            "celltrain.laws.bending.ElasticBending",
+            "celltrain.laws.bending.MomentBending",
+            "celltrain.laws.bending.BalancedMomentBending",
         ),
     ),
     Equation(

@@ -12,7 +12,6 @@ from celltrain.paper.trains import CELLS, dataset
 from celltrain.parameters import Train, paper_units
 from celltrain.stability import growth_without_neighbours, stability
 from celltrain.steady import Base
-from celltrain.steady.parameters import with_parameter
 
 #: What is varied about the usual cell: Ca as the paper counts it, and the reduced volume.
 VARIED = (
@@ -38,8 +37,8 @@ def compute(degree: int | None) -> xr.Dataset:
         start: Base | None = None
         for column, (_, capillary, volume) in enumerate(VARIED):
             train = Train(diameter=DIAMETER, packing=packing, cells=CELLS, degree=degree)
-            train = with_parameter(
-                train, "capillary_number", paper_units.capillary_number_from_paper(capillary)
+            train = train.changed(
+                capillary_number=paper_units.capillary_number_from_paper(capillary)
             )
             if volume is not None:
                 train = train.changed(reduced_volume=volume)

@@ -7,7 +7,7 @@ radius R has kappa = -1/R and the mean curvature H = -tr(kappa)/2 = 1/R.
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, TypeAlias, runtime_checkable
 
-from celltrain.membrane.arithmetic import Number
+from celltrain.laws.arithmetic import Number
 
 #: Components 11, 12, 21, 22 of a mixed tensor.
 Mixed: TypeAlias = tuple[Number, Number, Number, Number]

@@ -4,15 +4,15 @@ A law is an energy density of the two strain invariants of the surface,
 
     I1 = tr(C) - 2,   I2 = det(C) - 1,   C = A^-1 a,
 
-with A and a the metric tensors of the reference and the deformed surface. Nothing else of the
-package depends on the law. Moduli are numbers, or arrays of JAX where rates are differentiated by
-them; each has the name that it has in `parameters.Cell`.
+with A and a the metric tensors of the reference and the deformed surface; it is linear in each of
+its moduli. Nothing else of the package depends on the law. Moduli are numbers, or arrays of JAX
+where rates are differentiated by them; each has the name that it has in `parameters.Cell`.
 """
 
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from celltrain.membrane.arithmetic import Number
+from celltrain.laws.arithmetic import Number
 
 
 @runtime_checkable

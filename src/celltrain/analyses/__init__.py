@@ -1,0 +1,1 @@
+"""Everything that celltrain computes, one analysis in a file (see `celltrain.contract`)."""
