@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Self
+from typing import Annotated
 
 from rich.console import Console
 
@@ -45,7 +45,7 @@ class SteadyBranch(Analysis[Branch]):
         """The first value."""
         return {} if self.first is None else {self.along: self.first}
 
-    def dimensionless(self, scales: Scales) -> Self:
+    def dimensionless(self, scales: Scales) -> "SteadyBranch":
         """With the last value in the package's units."""
         dimension = DIMENSIONS.get(self.along, NUMBER)
         return replace(self, to=float(scales.dimensionless(dimension, self.to)))

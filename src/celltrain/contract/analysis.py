@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar, Generic, Self, TypeAlias, TypeVar
+from typing import Annotated, ClassVar, Generic, TypeAlias, TypeVar
 
 from rich.console import Console
 
@@ -91,7 +91,7 @@ class Analysis(Presentation[Result]):
         """Leaves of the case that settings give, in the units of the case."""
         return {}
 
-    def dimensionless(self, scales: Scales) -> Self:
+    def dimensionless(self, scales: Scales) -> "Analysis[Result]":
         """These settings with values in r0, U and mu, where they were given in SI."""
         return self
 

@@ -7,43 +7,42 @@ import ast
 import inspect
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from celltrain import analyses
 
 if TYPE_CHECKING:
     from celltrain.contract.analysis import Analysis, Presentation
 
-PACKAGE = "celltrain.analyses"
-
 
 @cache
-def _folder() -> Path:
-    spec = find_spec(PACKAGE)
-    assert spec is not None
-    assert spec.submodule_search_locations
-    return Path(next(iter(spec.submodule_search_locations)))
+def _files() -> dict[str, Path]:
+    """The file of each kind of result; the package's own come first."""
+    found: dict[str, Path] = {}
+    for folder in analyses.__path__:
+        for path in sorted(Path(folder).glob("*.py")):
+            if path.stem != "__init__":
+                found.setdefault(path.stem.removeprefix("_"), path)
+    return dict(sorted(found.items()))
 
 
-@cache
-def commands() -> tuple[str, ...]:
-    """The names of all analyses, in alphabetical order."""
-    return tuple(name for name in kinds() if not (_folder() / f"_{name}.py").exists())
-
-
-@cache
 def kinds() -> tuple[str, ...]:
     """The kinds of all results, in alphabetical order.
 
     Those whose file begins with an underscore are computed by commands of their own.
     """
-    files = (path.stem for path in _folder().glob("*.py") if path.stem != "__init__")
-    return tuple(sorted(name.removeprefix("_") for name in files))
+    return tuple(_files())
+
+
+def commands() -> tuple[str, ...]:
+    """The names of all analyses, in alphabetical order."""
+    return tuple(name for name, path in _files().items() if not path.stem.startswith("_"))
 
 
 def first_lines() -> dict[str, str]:
     """The first line of each analysis' docstring, by name."""
-    return {name: _first_line(_folder() / f"{name}.py") for name in commands()}
+    return {name: _first_line(_files()[name]) for name in commands()}
 
 
 def analysis_named(name: str) -> "type[Analysis[Any]]":
@@ -67,12 +66,13 @@ def presentation(kind: str) -> "type[Presentation[Any]]":
 
     Raises:
         KeyError: if there is no such kind.
+        TypeError: if its file does not define one analysis whose results are of this kind.
     """
     if kind not in kinds():
         raise KeyError(f"there is no kind of result {kind!r}; there are: {', '.join(kinds())}")
     from celltrain.contract.analysis import Presentation  # and with it all that computes
 
-    module = import_module(f"{PACKAGE}.{kind if kind in commands() else f'_{kind}'}")
+    module = import_module(f"{analyses.__name__}.{_files()[kind].stem}")
     found = [
         each
         for each in vars(module).values()
@@ -81,16 +81,24 @@ def presentation(kind: str) -> "type[Presentation[Any]]":
         and each.__module__ == module.__name__
         and not inspect.isabstract(each)
     ]
-    assert len(found) == 1, f"{module.__name__} defines {len(found)} analyses, not one"
+    if len(found) != 1 or found[0].result.kind != kind:
+        raise TypeError(
+            f"{_files()[kind]} defines {len(found)} analyses; wanted is one, with results of the"
+            f" kind {kind!r}"
+        )
     return found[0]
 
 
 def _first_line(path: Path) -> str:
-    """Of the class in a file that is a result's analysis: the one with a field `result`."""
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+    """Of the class in a file that is an analysis: the one that has a `result`."""
+    try:
+        parts = ast.parse(path.read_text(encoding="utf-8")).body
+    except (OSError, SyntaxError) as error:
+        return f"Cannot be used: {error}."
+    for node in parts:
         if isinstance(node, ast.ClassDef) and any(
             isinstance(each, ast.Assign) and getattr(each.targets[0], "id", "") == "result"
             for each in node.body
         ):
-            return (ast.get_docstring(node) or "").splitlines()[0]
-    raise AssertionError(f"{path} defines no analysis")
+            return (ast.get_docstring(node) or "No description.").splitlines()[0]
+    return f"Cannot be used: {path} defines no analysis."

@@ -330,19 +330,17 @@ def _fixed(hint: Any) -> tuple[Any, ...] | None:
 def walk(kind: type, prefix: str = "") -> Iterator[tuple[str, type, str]]:
     """Every quantity that a result of a kind holds: its name in files, its class, its field."""
     for name, (hint, meaning) in hints(kind).items():
-        inner, _ = split(hint)
         if meaning is not None:
             yield prefix + name, kind, name
-        for each in _within(inner):
+        for each in parts_of(hint):
             yield from walk(each, f"{prefix}{name}_")
 
 
-def _within(hint: Any) -> Iterator[type]:
-    """The dataclasses that a type is made of."""
+def parts_of(hint: Any) -> list[type]:
+    """The dataclasses that a type of a field is made of."""
     hint, _ = split(hint)
     if _is_array(hint) or _scalar(hint) is not None:
-        return
+        return []
     if dataclasses.is_dataclass(hint):
-        yield hint  # type: ignore[misc]
-    for each in get_args(hint):
-        yield from _within(each)
+        return [hint]  # type: ignore[list-item]
+    return [part for each in get_args(hint) for part in parts_of(each)]
