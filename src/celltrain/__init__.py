@@ -21,7 +21,7 @@ from celltrain.parameters import CaseError, Train, load_case, paper_units
 
 if TYPE_CHECKING:
     from celltrain.evolution.evolve import evolve, resume
-    from celltrain.evolution.run import Run
+    from celltrain.evolution.record.run import Run
     from celltrain.results import load, print_report, save
     from celltrain.results.summary import summary
     from celltrain.stability import Mode, Stability, stability

@@ -10,7 +10,7 @@ from celltrain.cli.arguments import Quiet
 from celltrain.cli.outputs import check_folder, check_output
 from celltrain.cli.progress import Reporter
 from celltrain.evolution import Run
-from celltrain.evolution.recompute import frame_rates
+from celltrain.evolution.record.recompute import frame_rates
 from celltrain.parameters import CaseError
 from celltrain.pictures import plot_all
 from celltrain.pictures.animation import film_writer

@@ -12,9 +12,9 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.diagnostics import disturbance_amplitude
+from celltrain.evolution.checks import check_positive
 from celltrain.evolution.dynamics import UNIT_DISPLACEMENT
-from celltrain.evolution.integrator import check_positive
-from celltrain.evolution.run import Run
+from celltrain.evolution.record.run import Run
 from celltrain.parameters import CaseError
 from celltrain.stability import Mode as StabilityMode
 from celltrain.stability import Stability
