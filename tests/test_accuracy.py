@@ -7,8 +7,9 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from celltrain import CaseError, Stability, Train, load, print_report, save, stability, summary
+from celltrain import CaseError, Stability, Train, load, save, show, stability
 from celltrain.cli import main
+from celltrain.contract import presentation
 from celltrain.stability import NEAR_DOUBLE, check_accuracy, leading_condition
 from celltrain.stability.convergence import AbscissaLadder
 
@@ -19,7 +20,7 @@ NUMBERS = (0, 1, 2, 3)
 def printed(result: Stability) -> str:
     """A result's report in one line."""
     console = Console(file=StringIO(), width=200)
-    print_report(result, console)
+    show(result, console)
     return " ".join(console.file.getvalue().split())  # type: ignore[attr-defined]
 
 
@@ -47,12 +48,12 @@ def test_the_report_says_what_each_degree_gives(left_open: Stability) -> None:
     assert f"degree {degree}; alpha at each degree: " in text
     for each, rate in zip(left_open.convergence.degrees, left_open.convergence.values, strict=True):
         assert f"{rate:.5f} ({each})" in text
-    content = summary(left_open)
-    assert content["degree"] == degree
-    assert content["convergence"] == {
-        "degrees": list(left_open.convergence.degrees),
-        "spectral_abscissas": list(left_open.convergence.values),
-    }
+    content = presentation("stability").summary(left_open)
+    convergence = content["convergence"]
+    assert isinstance(convergence, dict)
+    assert convergence["degree"] == degree
+    assert convergence["degrees"] == list(left_open.convergence.degrees)
+    assert convergence["values"] == list(left_open.convergence.values)
     assert content["error_estimate"] == left_open.error_estimate
     assert content["condition_number"] == leading_condition(left_open)
 
@@ -70,11 +71,12 @@ def test_the_accuracy_is_an_option_of_the_command(capsys) -> None:
         assert main(["stability", *CASE, "--accuracy", accuracy, "--json", "--quiet"]) == 0
         found[accuracy] = json.loads(capsys.readouterr().out)
     low, high = found["0.1"], found["0.01"]
-    assert low["degree"] < high["degree"]
+    assert low["convergence"]["degree"] < high["convergence"]["degree"]
     assert low["convergence"]["degrees"] == high["convergence"]["degrees"][:-1]
     for accuracy, each in found.items():
         assert each["error_estimate"] <= float(accuracy) * each["spectral_abscissa"]
-        assert each["case"]["resolution"]["degree"] == each["degree"]
+        degree = each["base"]["case"]["resolution"]["degree"]
+        assert degree == each["convergence"]["degree"]
         assert each["condition_number"] >= 1.0
     assert main(["stability", *CASE, "--accuracy", "0.1", "--quiet"]) == 0
     text = " ".join(capsys.readouterr().out.split())

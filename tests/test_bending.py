@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from celltrain import CaseError, Train
+from celltrain.harmonics import degrees_and_orders
 from celltrain.laws import ElasticBending, HelfrichBending, Skalak
 from celltrain.membrane import reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
@@ -52,7 +53,7 @@ def test_a_sphere_with_a_preferred_curvature(radius: float) -> None:
 def test_its_force_is_the_slope_and_moves_nothing() -> None:
     cell = fluid(0.4, "biconcave")
     random = np.random.default_rng(0).normal(size=cell.reference_shape.shape)
-    degree = np.sqrt(np.arange(DEGREE**2)).astype(int)
+    degree = degrees_and_orders(DEGREE)[0]
     shape = np.asarray(cell.reference_shape) + 0.1 * random / (1 + degree) ** 2
     stored, pull = (np.asarray(each) for each in energy_and_force(cell, jnp.asarray(shape)))
     step = 1e-6 * np.random.default_rng(1).normal(size=shape.shape)

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 from celltrain.flow.close import CloseRule, close_rule, graded_nodes
 from celltrain.flow.near import block_sum, stresslet_block_sum
 from celltrain.flow.nearest import nearest_point
-from celltrain.harmonics import degrees_and_orders, real_harmonics
+from celltrain.harmonics import UNIT_DISPLACEMENT, degree_of, degrees_and_orders, real_harmonics
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.tables import harmonic_tables
 from celltrain.membrane import reference_coefficients
@@ -71,7 +71,7 @@ def places(seed: int, count: int = POINTS) -> np.ndarray:
 
 def surface(shape: jax.Array, where: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points, unit normals and normals n dS/dOmega of a shape."""
-    tables = harmonic_tables(int(np.sqrt(shape.shape[-1])), where[:, 0], where[:, 1])
+    tables = harmonic_tables(degree_of(shape), where[:, 0], where[:, 1])
     points, d_theta, d_phi = (
         np.asarray(table @ shape.T) for table in (tables.value, tables.d_theta, tables.d_phi)
     )
@@ -102,7 +102,7 @@ def solid(
 
     Returns the values [point, f] and gradients [point, f, 3].
     """
-    degree = int(np.sqrt(densities.shape[-1]))
+    degree = degree_of(densities)
     n, _ = degrees_and_orders(degree)
     r = np.linalg.norm(points, axis=1, keepdims=True)
     theta = np.arccos(points[:, 2] / r[:, 0])
@@ -188,7 +188,7 @@ def test_double_layer_of_a_rigid_motion(
     points = above(biconcave, where, sides * np.minimum(DISTANCES, 0.1))
     spin = np.array([[0.0, -0.3, 0.5], [0.3, 0.0, 0.7], [-0.5, -0.7, 0.0]])
     motion = spin @ np.asarray(biconcave)
-    motion[:, 0] += np.sqrt(4 * np.pi) * np.array([0.2, -1.0, 0.4])
+    motion[:, 0] += UNIT_DISPLACEMENT * np.array([0.2, -1.0, 0.4])
     exact = np.where(sides > 0, 0.0, -1.0)[:, None] * (points @ spin.T + [0.2, -1.0, 0.4])
     found = velocity(free_rule, points, where, biconcave, density=motion)
     assert_allclose(found, exact, rtol=0, atol=1e-7)

@@ -11,12 +11,11 @@ from numpy.testing import assert_allclose
 
 from celltrain import Train
 from celltrain.flow.overlaps import overlaps
-from celltrain.harmonics import degrees_and_orders
+from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.train import TrainOperator, rates_error, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2
-CENTRE = np.sqrt(4 * np.pi)
 # All cases share one program: the period, the wall and the grids are the same.
 TRAIN = Train(
     diameter=6,
@@ -74,15 +73,15 @@ def configuration(seed: int) -> np.ndarray:
     for cell in range(CELLS):
         shapes[cell] = turn(random.normal(size=3), random.uniform(0, 3)) @ shapes[cell]
     across = random.uniform(-0.4, 0.4, size=(CELLS, 2))
-    shapes[:, :2, 0] = across * CENTRE
+    shapes[:, :2, 0] = across * UNIT_DISPLACEMENT
     # The closest approach without an overlap, found by halving.
     near, far = 0.0, 0.5 * TRAIN.length
     for _ in range(8):
         middle = 0.5 * (near + far)
-        shapes[1, 2, 0] = middle * CENTRE
+        shapes[1, 2, 0] = middle * UNIT_DISPLACEMENT
         touching = overlaps(shapes, period=TRAIN.length)
         near, far = (middle, far) if touching else (near, middle)
-    shapes[1, 2, 0] = (far + random.uniform(0.01, 0.05)) * CENTRE
+    shapes[1, 2, 0] = (far + random.uniform(0.01, 0.05)) * UNIT_DISPLACEMENT
     return shapes
 
 
@@ -91,7 +90,7 @@ def test_two_spheres_approaching(gap: float) -> None:
     """Smooth forces on two spheres, against finer rules for the same shapes."""
     train = TRAIN.changed(reference="sphere", viscosity_ratio=1.0, degree=8)
     shapes = resting_shapes(train, 2)
-    apart = (2 + gap) * CENTRE
+    apart = (2 + gap) * UNIT_DISPLACEMENT
     shapes[1, :, 0] = shapes[0, :, 0] + apart * np.array([0.4, 0.0, np.sqrt(1 - 0.16)])
     forces = np.zeros_like(shapes)
     forces[..., :9] = np.random.default_rng(0).normal(size=(2, 3, 9))
@@ -160,7 +159,7 @@ def test_any_configuration(operator: TrainOperator, seed: int, ratio: float) -> 
     assert_allclose(mirrored, mirror @ found * sign, rtol=0, atol=2e-5 * size)
     # Moved along it, beyond the period's end.
     moved = shapes.copy()
-    moved[:, 2, 0] += 0.4 * TRAIN.length * CENTRE
+    moved[:, 2, 0] += 0.4 * TRAIN.length * UNIT_DISPLACEMENT
     assert_allclose(rates(this, jnp.asarray(moved)), found, rtol=0, atol=2e-5 * size)
 
 
@@ -182,7 +181,7 @@ def test_flow_up_to_a_membrane(operator: TrainOperator) -> None:
     """Continuous across the membrane, no slip at the wall, no divergence, at a ratio of 5."""
     shapes = jnp.asarray(configuration(6))
     surface = np.asarray(operator.targets(shapes)[0, 4, ::4])
-    normal = surface - np.asarray(shapes[0, :, 0]) / CENTRE
+    normal = surface - np.asarray(shapes[0, :, 0]) / UNIT_DISPLACEMENT
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     angle = np.linspace(0, 6, len(surface))
     wall = np.stack([3 * np.cos(angle), 3 * np.sin(angle), np.linspace(-2, 3, angle.size)], axis=-1)

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from celltrain.flow.close_pairs import ClosePairs, close_pairs
 from celltrain.flow.overlaps import overlaps
-from celltrain.harmonics import profile_of
+from celltrain.harmonics import UNIT_DISPLACEMENT, profile_of
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import reference_coefficients
 from celltrain.meridian.geometry import size_at_rest
@@ -133,7 +133,7 @@ class TestOverlaps:
     @staticmethod
     def cells(*places: tuple[float, float, float]) -> np.ndarray:
         shapes = np.repeat(reference_coefficients(6, "biconcave")[None], len(places), axis=0)
-        shapes[:, :, 0] += np.sqrt(4 * np.pi) * np.array(places)
+        shapes[:, :, 0] += UNIT_DISPLACEMENT * np.array(places)
         return shapes
 
     def test_none(self) -> None:

@@ -25,7 +25,7 @@ from celltrain.diagnostics import (
     isotropic_tension,
     wall_distance,
 )
-from celltrain.harmonics import azimuthal_basis
+from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis, degrees_and_orders
 from celltrain.laws import ConstitutiveLaw, ElasticBending, NeoHookean, Skalak
 from celltrain.membrane import reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
@@ -54,7 +54,7 @@ def affine(matrix: np.ndarray, place: np.ndarray, degree: int = DEGREE) -> np.nd
     coefficients = np.zeros((3, degree**2))
     # x, y, z of the sphere are the harmonics 3, 1, 2, times sqrt(4 pi/3).
     coefficients[:, [3, 1, 2]] = np.sqrt(4 * np.pi / 3) * matrix
-    coefficients[:, 0] = np.sqrt(4 * np.pi) * place
+    coefficients[:, 0] = UNIT_DISPLACEMENT * place
     return coefficients
 
 
@@ -72,7 +72,7 @@ def cell() -> Membrane:
 @pytest.fixture(scope="module")
 def deformed(cell: Membrane) -> np.ndarray:
     """A cell without any symmetry."""
-    degree = np.sqrt(np.arange(DEGREE**2)).astype(int)
+    degree = degrees_and_orders(DEGREE)[0]
     random = np.random.default_rng(0).normal(size=cell.reference_shape.shape)
     return np.asarray(cell.reference_shape) + 0.1 * random / (1 + degree) ** 2
 
@@ -308,7 +308,7 @@ def test_a_frame_holds_what_is_registered(train: Train) -> None:
     shapes = place_cells(rest, train, 4)
     shapes[1] += 0.05 * np.random.default_rng(3).normal(size=rest.shape) / (1 + np.arange(36))
     rates = np.zeros_like(shapes)
-    rates[:, 2, 0] = 1.7 * np.sqrt(4 * np.pi)
+    rates[:, 2, 0] = 1.7 * UNIT_DISPLACEMENT
     found = frame(train, shapes, rates)
     assert list(found) == list(FRAME_QUANTITIES)
     sizes = {"cell": 4, "axis": 3, "principal": 3, "harmonic": 6}

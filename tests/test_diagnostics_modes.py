@@ -16,7 +16,7 @@ from celltrain.diagnostics import (
     mode_motion,
     perturbation_energy,
 )
-from celltrain.harmonics import azimuthal_basis
+from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError
 from celltrain.stability import Mode, Stability, TransientMode
@@ -76,7 +76,7 @@ def test_a_tilting_mode_tumbles_at_its_growth_rate(
     centre = frame(base.train, shapes, 0 * shapes)["centroid"][0]
     about = np.array([0.0, -1.0, 0.0])
     shape = base.coefficients.copy()
-    shape[:, 0] -= np.sqrt(4 * np.pi) * centre
+    shape[:, 0] -= UNIT_DISPLACEMENT * centre
     tilt = np.cross(about, shape, axisb=0, axisc=0)
     vector = np.einsum("uik,ik->u", basis, tilt)
     assert_allclose(np.tensordot(vector, basis, axes=1), tilt, atol=1e-12)

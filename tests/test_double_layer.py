@@ -13,7 +13,7 @@ from celltrain import Train
 from celltrain.flow import own_surface_rule
 from celltrain.flow.own_surface import OwnSurfaceRule
 from celltrain.flow.sources import UNFOLD
-from celltrain.harmonics import coefficient_index
+from celltrain.harmonics import UNIT_DISPLACEMENT, coefficient_index
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.tables import harmonic_tables
 from celltrain.train import TrainOperator, resting_shapes, train_operator
@@ -156,14 +156,14 @@ def test_rigid_motion_of_one_cell(operator: TrainOperator, shapes: np.ndarray) -
 
 def test_stresslet_identity(operator: TrainOperator, shapes: np.ndarray) -> None:
     """A constant gives -1 inside, 0 outside: other cell, images, wall and flow rate included."""
-    centres = shapes[:, :, 0] / np.sqrt(4 * np.pi)
+    centres = shapes[:, :, 0] / UNIT_DISPLACEMENT
     # Two in the second cell, one in the first, two in the plasma.
     points = np.stack(
         [centres[1], centres[1] + [0.3, 0.2, 0.0], centres[0], [0.0, 0.0, -1.6], [1.0, 1.0, 1.7]]
     )
     for i in range(3):
         motions = np.zeros_like(shapes)
-        motions[1, i, 0] = np.sqrt(4 * np.pi)
+        motions[1, i, 0] = UNIT_DISPLACEMENT
         found = np.asarray(flow_at(operator, *map(jnp.asarray, (points, shapes, motions))))
         expected = -np.eye(3)[i] * np.array([1, 1, 0, 0, 0])[:, None]
         assert_allclose(found, expected, rtol=0, atol=1e-8)

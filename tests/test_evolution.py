@@ -36,11 +36,9 @@ from celltrain.evolution.methods.radius import spectral_radius
 from celltrain.evolution.overlap import overlap
 from celltrain.evolution.record.interpolation import interpolated
 from celltrain.evolution.start import at_degree
-from celltrain.harmonics import azimuthal_basis
+from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
 from celltrain.stability import PaperNorm
 from celltrain.train import place_cells
-
-DISTANCE = np.sqrt(4 * np.pi)
 
 
 def stiff_system() -> np.ndarray:
@@ -152,7 +150,7 @@ def test_the_steady_train_is_at_rest_in_its_frame(dynamics: Dynamics) -> None:
     rates = dynamics.rates(np.asarray(dynamics.base))
     assert dynamics.displacement(rates) == 0.0
     assert dynamics.departure(np.asarray(dynamics.base)) == 0.0
-    moved = dynamics.tube_rates(rates)[:, 2, 0] / DISTANCE
+    moved = dynamics.tube_rates(rates)[:, 2, 0] / UNIT_DISPLACEMENT
     assert_allclose(moved, dynamics.cell_velocity, rtol=1e-14)
     # What its frame takes with it is what the operator's rules leave.
     left = dynamics.steady_rates - dynamics.tube_rates(np.zeros_like(rates))
@@ -226,7 +224,7 @@ def test_cells_that_leave_the_window_are_put_back(
     train = coarse_stability.base.train
     here = disturbed(dynamics, coarse_stability, 0.3)
     gone = here.copy()
-    gone[:, 2, 0] += DISTANCE * train.length * np.array([0.0, 2.0, -1.0])
+    gone[:, 2, 0] += UNIT_DISPLACEMENT * train.length * np.array([0.0, 2.0, -1.0])
     settled = dynamics.settle(gone)
     assert settled.laps.tolist() == [0, 2, -1]
     assert_allclose(settled.shapes, here, rtol=0, atol=1e-12)
@@ -235,7 +233,7 @@ def test_cells_that_leave_the_window_are_put_back(
     assert_allclose(settled.measures.eps_x, train.length * np.sqrt(5.0), rtol=2e-2)
     # All moved by a third of the window: the last cell changes ends, the flow is the same.
     moved = here.copy()
-    moved[:, 2, 0] += DISTANCE * train.period
+    moved[:, 2, 0] += UNIT_DISPLACEMENT * train.period
     wrapped = dynamics.settle(moved)
     assert wrapped.laps.tolist() == [0, 0, 1]
     error = dynamics.rates(wrapped.shapes) - dynamics.rates(here)
@@ -251,16 +249,16 @@ def test_volumes_and_what_is_measured(dynamics: Dynamics, coarse_stability: Stab
     # A swelling by 1 % is taken back along the normal: by about 0.01 times the cell's size.
     assert 0.005 < settled.measures.volume_correction < 0.03
     steady = dynamics.settle(np.asarray(dynamics.base))
-    assert steady.volume_correction < 1e-10
-    assert steady.eps < 1e-9
-    assert settled.measures.energy > steady.energy > 0.0
+    assert steady.measures.volume_correction < 1e-10
+    assert steady.measures.eps < 1e-9
+    assert settled.measures.energy > steady.measures.energy > 0.0
     sphere = 4 * np.pi * len(shapes)
-    assert steady.area > sphere
+    assert steady.measures.area > sphere
     moved = np.asarray(dynamics.base).copy()
-    moved[1, 0, 0] += 0.3 * DISTANCE
+    moved[1, 0, 0] += 0.3 * UNIT_DISPLACEMENT
     shifted = dynamics.settle(moved)
-    assert_allclose(shifted.eps_x, 0.3, rtol=1e-9)
-    assert_allclose(shifted.eps, 0.3 * np.sqrt(2.0), rtol=1e-9)
+    assert_allclose(shifted.measures.eps_x, 0.3, rtol=1e-9)
+    assert_allclose(shifted.measures.eps, 0.3 * np.sqrt(2.0), rtol=1e-9)
 
 
 def test_the_amplitude_is_the_norm_of_the_paper(coarse_stability: Stability) -> None:
@@ -317,7 +315,7 @@ def test_random_displacements_are_rigid_and_fixed_by_their_seed(coarse_base: Bas
     assert np.all(one[:, :, 1:] == 0.0)
     assert len(np.unique(one[:, :, 0])) == 9
     # The root of the sum of squares of the displacements times sqrt(2) is eps.
-    assert_allclose(np.sqrt(2 * np.sum((one[:, :, 0] / DISTANCE) ** 2)), 0.2, rtol=1e-12)
+    assert_allclose(np.sqrt(2 * np.sum((one[:, :, 0] / UNIT_DISPLACEMENT) ** 2)), 0.2, rtol=1e-12)
 
 
 def test_disturbances_from_arrays(coarse_base: Base, tmp_path) -> None:
@@ -401,12 +399,12 @@ def test_overlaps_are_named(coarse_base: Base) -> None:
     shapes = place_cells(coarse_base.coefficients, train, 3)
     assert overlap(train, shapes) is None
     ahead = shapes.copy()
-    ahead[1, 2, 0] += (train.period - 0.5) * DISTANCE
+    ahead[1, 2, 0] += (train.period - 0.5) * UNIT_DISPLACEMENT
     assert "cell 1 and cell 2 overlap" in (overlap(train, ahead) or "")
     last = shapes.copy()
-    last[2, 2, 0] += (train.period - 0.5) * DISTANCE
+    last[2, 2, 0] += (train.period - 0.5) * UNIT_DISPLACEMENT
     assert "overlap" in (overlap(train, last) or "")
     aside = shapes.copy()
-    aside[2, 0, 0] += 2.0 * DISTANCE
+    aside[2, 0, 0] += 2.0 * UNIT_DISPLACEMENT
     assert "cell 2" in (overlap(train, aside) or "")
     assert "wall" in (overlap(train, aside) or "")

@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
+from celltrain.harmonics import degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.laws import ConstitutiveLaw, ElasticBending, NeoHookean, Skalak
 from celltrain.membrane import reference_coefficients
@@ -34,7 +35,7 @@ def cell() -> Membrane:
 @pytest.fixture(scope="module")
 def deformed(cell: Membrane) -> np.ndarray:
     """A cell deformed by about a tenth, at low degrees more than at high ones."""
-    degree = np.sqrt(np.arange(DEGREE**2)).astype(int)
+    degree = degrees_and_orders(DEGREE)[0]
     random = np.random.default_rng(0).normal(size=cell.reference_shape.shape)
     return np.asarray(cell.reference_shape) + 0.1 * random / (1 + degree) ** 2
 

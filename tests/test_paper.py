@@ -15,13 +15,13 @@ from celltrain.paper import (
     transient_findings,
 )
 from celltrain.parameters import paper_units
-from celltrain.study import study_dataset
+from celltrain.study import collect
 
 
 @pytest.fixture
 def as_printed() -> xr.Dataset:
     """A map in which everything is as the paper says."""
-    data = study_dataset(paper_study(FIGURES["fig6"], quick=True), {})
+    data = collect(paper_study(FIGURES["fig6"], quick=True), {}).data
     diameter, packing = data.diameter, data.packing
     ends = (packing < 0.35) | (packing > 0.55)
     growth = xr.where(ends, 0.1, 1e-4) * (1 - 0.02 * diameter)

@@ -10,6 +10,7 @@ from matplotlib.animation import FFMpegWriter
 from numpy.testing import assert_allclose
 from PIL import Image
 
+from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.membrane import reference_coefficients
 from celltrain.parameters import CaseError, Train
 from celltrain.pictures import evolution
@@ -79,8 +80,8 @@ def shapes(train: Train) -> np.ndarray:
     """Two frames [time, cell, 3, coefficient] of inflated spheres, the second moved."""
     first = place_cells(1.1 * reference_coefficients(6, "sphere"), train, 3)
     second = first.copy()
-    second[:, 0, 0] += np.sqrt(4 * np.pi) * np.array([0.1, 0.2, 0.3])
-    second[:, 2, 0] += np.sqrt(4 * np.pi) * 4.0
+    second[:, 0, 0] += UNIT_DISPLACEMENT * np.array([0.1, 0.2, 0.3])
+    second[:, 2, 0] += UNIT_DISPLACEMENT * 4.0
     return np.stack([first, second])
 
 
@@ -88,7 +89,7 @@ def shapes(train: Train) -> np.ndarray:
 def exported(train: Train, shapes: np.ndarray, tmp_path_factory: pytest.TempPathFactory) -> Path:
     rates = np.zeros_like(shapes)
     # Cells move at 1.7 along the tube and turn at 0.5 about it.
-    rates[:, :, 2, 0] = 1.7 * np.sqrt(4 * np.pi)
+    rates[:, :, 2, 0] = 1.7 * UNIT_DISPLACEMENT
     rates[:, :, 0], rates[:, :, 1] = -0.5 * shapes[:, :, 1], 0.5 * shapes[:, :, 0]
     folder = tmp_path_factory.mktemp("run") / "new" / "folder"
     return export_paraview(train, np.array([0.0, 2.5]), shapes, rates, folder)
@@ -248,15 +249,15 @@ def test_snapshots_are_drawn(
 def test_cells_that_leave_downstream_enter_upstream(train: Train, shapes: np.ndarray) -> None:
     stage = make_stage(train, shapes)
     assert stage.end - stage.start == pytest.approx(train.length)
-    height = stage.placed(shapes[1])[:, 2, 0] / np.sqrt(4 * np.pi)
+    height = stage.placed(shapes[1])[:, 2, 0] / UNIT_DISPLACEMENT
     assert ((height >= stage.start) & (height < stage.end)).all()
-    moved = (height - shapes[1, :, 2, 0] / np.sqrt(4 * np.pi)) / train.length
+    moved = (height - shapes[1, :, 2, 0] / UNIT_DISPLACEMENT) / train.length
     assert_allclose(moved, np.round(moved), atol=1e-12)
     assert_allclose(moved, [0, 0, -1], atol=1e-12)
     # A short train is repeated.
     single = make_stage(train, shapes[:, :1])
     assert single.repeats == 3
-    again = single.placed(shapes[0, :1])[:, 2, 0] / np.sqrt(4 * np.pi)
+    again = single.placed(shapes[0, :1])[:, 2, 0] / UNIT_DISPLACEMENT
     assert_allclose(np.diff(again), train.period)
 
 

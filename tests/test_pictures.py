@@ -7,13 +7,14 @@ import pytest
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
+from celltrain.contract import draw_all
+from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.pictures import (
     draw_base_train,
     draw_leading_mode,
     draw_profile,
     draw_spectrum,
     draw_transient_mode,
-    plot_all,
 )
 from celltrain.pictures.camera import Camera
 from celltrain.pictures.disturbance import draw_amplitude, turned
@@ -43,15 +44,17 @@ def side_camera() -> Camera:
     return Camera(np.zeros(3), distance=30.0, yaw=0.0, elevation=0.0)
 
 
-def test_plot_all_of_a_base(make_base: Callable[..., Base], tmp_path: Path) -> None:
-    paths = plot_all(make_base(), tmp_path / "new" / "folder")
+def test_all_pictures_of_a_base(make_base: Callable[..., Base], tmp_path: Path) -> None:
+    paths = draw_all(make_base(), tmp_path / "new" / "folder")
     assert [path.stem for path in paths] == ["base_train", "profile"]
     for path in paths:
         assert_picture(path)
 
 
-def test_plot_all_of_a_stability(make_stability: Callable[..., Stability], tmp_path: Path) -> None:
-    paths = plot_all(make_stability(), tmp_path)
+def test_all_pictures_of_a_stability(
+    make_stability: Callable[..., Stability], tmp_path: Path
+) -> None:
+    paths = draw_all(make_stability(), tmp_path)
     assert [path.stem for path in paths] == [
         "base_train",
         "profile",
@@ -85,7 +88,7 @@ def test_settings_of_matplotlib_are_left_alone(
     make_stability: Callable[..., Stability], tmp_path: Path
 ) -> None:
     before = dict(mpl.rcParams)
-    plot_all(make_stability(), tmp_path)
+    draw_all(make_stability(), tmp_path)
     assert dict(mpl.rcParams) == before
 
 
@@ -131,7 +134,7 @@ def test_lit_side_is_brighter() -> None:
 def shift_sideways(cells: int, degree: int = 6) -> np.ndarray:
     """All cells move along x by one."""
     disturbance = np.zeros((cells, 3, degree**2))
-    disturbance[:, 0, 0] = np.sqrt(4 * np.pi)
+    disturbance[:, 0, 0] = UNIT_DISPLACEMENT
     return disturbance
 
 
@@ -147,7 +150,7 @@ def test_disturbance_is_drawn_as_large_as_asked_and_in_the_plane_of_the_picture(
     assert drawn.displacement == pytest.approx(0.5)
     assert drawn.amplitude == pytest.approx(0.5 / 3)
     # The shift along x, towards the eye, is turned until it is along y.
-    centre = drawn.coefficients[0, :, 0] / np.sqrt(4 * np.pi)
+    centre = drawn.coefficients[0, :, 0] / UNIT_DISPLACEMENT
     np.testing.assert_allclose(np.abs(centre), [0, 0.5, 0], atol=1e-6)
 
 
@@ -160,7 +163,7 @@ def test_disturbance_is_drawn_smaller_where_the_wall_is_near() -> None:
 
 def test_disturbance_is_drawn_smaller_where_cells_would_overlap() -> None:
     disturbance = np.zeros((2, 3, 36))
-    disturbance[0, 2, 0], disturbance[1, 2, 0] = np.sqrt(4 * np.pi), -np.sqrt(4 * np.pi)
+    disturbance[0, 2, 0], disturbance[1, 2, 0] = UNIT_DISPLACEMENT, -UNIT_DISPLACEMENT
     drawn = draw_amplitude(sphere(6), disturbance, period=2.4, radius=3.0, camera=side_camera())
     assert 0.1 <= drawn.displacement < 0.2
 

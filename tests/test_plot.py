@@ -17,6 +17,7 @@ from celltrain.evolution.record.archive import Archive
 from celltrain.evolution.record.quantities import STEP_QUANTITIES
 from celltrain.evolution.record.recompute import FrameProgress
 from celltrain.evolution.state import Measures, State
+from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.pictures import run as run_pictures
 from celltrain.pictures.run import plot_run, spread
 from celltrain.train import place_cells
@@ -30,7 +31,7 @@ def run(make_base) -> Run:
     base: Base = make_base(cells=2, degree=6)
     train = base.train
     shapes = np.stack([place_cells(base.coefficients, train, 2)] * 3)
-    shapes[:, 0, 0, 0] += np.sqrt(4 * np.pi) * np.array([0.1, 0.2, 0.4])
+    shapes[:, 0, 0, 0] += UNIT_DISPLACEMENT * np.array([0.1, 0.2, 0.4])
     still = np.zeros_like(shapes[0])
     measured = [frame(train, each, still) for each in shapes]
     sizes = np.geomspace(0.1, 0.4, 5)

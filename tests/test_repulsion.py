@@ -22,11 +22,12 @@ from celltrain.evolution import (
     evolve,
     resume,
 )
-from celltrain.evolution.dynamics import UNIT_DISPLACEMENT, Dynamics, train_dynamics
+from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.films.forces import FilmForces, film_forces
 from celltrain.evolution.methods.chebyshev import chebyshev_step
 from celltrain.evolution.methods.runge_kutta_chebyshev import GAP_SHARE
 from celltrain.evolution.report import run_summary
+from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
 
 DEGREE = 6
@@ -114,7 +115,7 @@ def skewed(seed: int) -> np.ndarray:
     """Three deformed spheres: the first close to the second and to the third's image."""
     shapes = placed(sphere(DEGREE), (0.2, 0.0, 0.0), (0.0, 0.1, 2.0), (0.0, 0.0, 5.0))
     change = np.random.default_rng(seed).normal(size=shapes.shape)
-    degrees = np.sqrt(np.arange(DEGREE**2)).astype(int)
+    degrees = degrees_and_orders(DEGREE)[0]
     return shapes + 0.02 * np.where(degrees > 0, change / (1.0 + degrees) ** 2, 0.0)
 
 

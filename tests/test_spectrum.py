@@ -8,7 +8,7 @@ import scipy.linalg
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability, Train, stability, steady
-from celltrain.harmonics import azimuthal_basis, degrees_and_orders
+from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis, degrees_and_orders
 from celltrain.stability import (
     NORMS,
     Norm,
@@ -256,7 +256,7 @@ def test_surface_norm_weighs_by_area(coarse_stability: Stability) -> None:
     shape = coarse_stability.base.coefficients
     for m, axis in ((0, 2), (1, 0)):
         displaced = np.zeros_like(shape)
-        displaced[axis, 0] = np.sqrt(4 * np.pi)
+        displaced[axis, 0] = UNIT_DISPLACEMENT
         amounts = np.einsum("uik,ik->u", azimuthal_basis(6, m), displaced)
         gram = gram_of(SurfaceNorm(), shape, m)
         assert_allclose(amounts @ gram @ amounts, 1.0, rtol=1e-12)

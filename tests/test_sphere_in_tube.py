@@ -15,13 +15,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Train
-from celltrain.harmonics import axisymmetric_basis
+from celltrain.harmonics import UNIT_DISPLACEMENT, axisymmetric_basis
 from celltrain.train import TrainOperator, resting_shapes, train_operator
 
 DEGREE = 12
 BASIS = jnp.asarray(axisymmetric_basis(DEGREE))
 #: From forces to net force: member 0 is a constant along the tube.
-NET = np.sqrt(4 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -36,12 +35,12 @@ class RigidSphere:
     @property
     def drag_moving(self) -> float:
         """Force that drives it at unit speed through fluid without mean flow, over 6 pi."""
-        return float(self.moving[0]) * NET / (6 * np.pi)
+        return float(self.moving[0]) * UNIT_DISPLACEMENT / (6 * np.pi)
 
     @property
     def drag_held(self) -> float:
         """Force that holds it in Poiseuille flow, over 6 pi times the speed on the axis, 2."""
-        return -float(self.held[0]) * NET / (6 * np.pi) / 2
+        return -float(self.held[0]) * UNIT_DISPLACEMENT / (6 * np.pi) / 2
 
 
 @eqx.filter_jit
@@ -77,7 +76,7 @@ def rigid_sphere() -> Callable[[float, float], RigidSphere]:
         shapes = jnp.asarray(resting_shapes(train, 1))
         by_row, flow = (np.asarray(each) for each in mobility_and_flow(operator, shapes))
         upward = np.zeros(len(BASIS))
-        upward[0] = NET
+        upward[0] = UNIT_DISPLACEMENT
         # A uniform pressure moves nothing: least squares leaves it out.
         moving, held = np.linalg.lstsq(by_row.T, np.stack([upward, -flow], axis=1), rcond=1e-9)[0].T
         return RigidSphere(operator, by_row.T, moving, held)

@@ -12,6 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Train
+from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.meridian import flow_rate
 from celltrain.meridian.grids import HalfCircle
 from celltrain.meridian.images import force_image
@@ -23,7 +24,6 @@ from celltrain.steady.problem import SteadyProblem
 
 DEGREE = 16
 #: From the member that moves a cell to a unit of velocity, and to the net force.
-UNIT = np.sqrt(4 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -36,11 +36,11 @@ class Sphere:
 
     @property
     def drag_moving(self) -> float:
-        return float(self.moving[0]) * UNIT / (6 * np.pi)
+        return float(self.moving[0]) * UNIT_DISPLACEMENT / (6 * np.pi)
 
     @property
     def drag_held(self) -> float:
-        return -float(self.held[0]) * UNIT / (12 * np.pi)
+        return -float(self.held[0]) * UNIT_DISPLACEMENT / (12 * np.pi)
 
     @property
     def free_velocity(self) -> float:
@@ -119,7 +119,7 @@ def sphere(size: float, period: float, degree: int = DEGREE) -> Sphere:
     velocity[:, 2] -= np.outer(parabola, extra_flux(flow))
     project = flow.targets.projection(0)
     mobility = project @ velocity.reshape(-1, velocity.shape[-1])
-    upward = np.eye(len(mobility))[0] * UNIT
+    upward = np.eye(len(mobility))[0] * UNIT_DISPLACEMENT
     driven = np.zeros((len(parabola), 3))
     driven[:, 2] = parabola
     columns = np.stack([upward, -(project @ driven.ravel())], axis=1)

@@ -16,6 +16,7 @@ ROOMS = (
     "clock",
     "runtime",
     "laws",
+    "quantities",
     "parameters",
     "harmonics",
     "membrane",
@@ -28,9 +29,11 @@ ROOMS = (
     "train",
     "diagnostics",
     "results",
+    "contract",
     "evolution",
     "study",
     "pictures",
+    "analyses",
     "paper",
     "cli",
 )
@@ -47,7 +50,8 @@ WITHOUT_JAX = (
 )
 #: Modules for cells of any shape that stand beside those of their subject.
 WITH_JAX = {
-    f"harmonics/{name}.py" for name in ("grid", "longitude", "polar", "rotation", "tables")
+    f"harmonics/{name}.py"
+    for name in ("grid", "jax_shapes", "longitude", "polar", "rotation", "tables")
 } | {"membrane/energy.py", "membrane/geometry.py"}
 
 

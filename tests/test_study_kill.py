@@ -13,7 +13,8 @@ from typing import Any
 
 import pytest
 
-from celltrain.results import load, save
+from celltrain.contract import load
+from celltrain.results import save
 from celltrain.steady import Base
 from celltrain.study import Record
 
@@ -62,7 +63,7 @@ import sys
 from pathlib import Path
 
 if __name__ == "__main__":
-    from celltrain.results import load
+    from celltrain.contract import load
     from celltrain.study import local_workers, make_study, run_study, scheduled_workers
     from slow import Slow
 

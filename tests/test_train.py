@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Train
-from celltrain.harmonics import axisymmetric_basis, azimuthal_basis, profile_of
+from celltrain.harmonics import UNIT_DISPLACEMENT, axisymmetric_basis, azimuthal_basis, profile_of
 from celltrain.meridian.rules import choose_rules
 from celltrain.steady.problem import SteadyProblem
 from celltrain.train import TrainOperator, place_cells, resting_shapes, train_operator
@@ -149,7 +149,7 @@ def test_shifted_train_moves_alike(
     # By any distance; and the second cell by a period of all, which makes it the first.
     shifted = skewed.copy()
     shifted[:, 2, 0] += 0.777
-    shifted[1, 2, 0] -= CELLS * TRAIN.period * np.sqrt(4 * np.pi)
+    shifted[1, 2, 0] -= CELLS * TRAIN.period * UNIT_DISPLACEMENT
     found = rates(any_shapes, shifted[::-1])[::-1]
     assert_allclose(found, rates(any_shapes, skewed), rtol=0, atol=2e-8)
 

@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Train
-from celltrain.harmonics import azimuthal_basis
+from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
 from celltrain.stability import linear_blocks
 from celltrain.steady import Base, steady
 from celltrain.steady.problem import SteadyProblem
@@ -38,7 +38,7 @@ def rates(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
 @eqx.filter_jit
 def speed_and_viscosity(operator: TrainOperator, shapes: jax.Array) -> tuple[jax.Array, jax.Array]:
     motions = operator.rates(shapes)
-    speed = jnp.mean(motions[:, 2, 0]) / jnp.sqrt(4 * jnp.pi)
+    speed = jnp.mean(motions[:, 2, 0]) / UNIT_DISPLACEMENT
     return speed, operator.effective_viscosity(shapes, operator.forces(shapes), motions)
 
 
@@ -134,7 +134,7 @@ def test_steady_train_does_not_depend_on_the_ratio(viscous_base: Base, coarse_ba
     shapes = jnp.asarray(place_cells(viscous_base.coefficients, viscous_base.train, 2))
     operator = train_operator(viscous_base.train, cells=2)
     found = rates(operator, shapes)
-    found = np.asarray(found.at[:, 2, 0].add(-viscous_base.cell_velocity * np.sqrt(4 * np.pi)))
+    found = np.asarray(found.at[:, 2, 0].add(-viscous_base.cell_velocity * UNIT_DISPLACEMENT))
     # By its own rules, which are coarse; the same as for cells of the plasma's viscosity.
     assert_allclose(found, 0.0, atol=1e-3)
 

@@ -9,10 +9,11 @@ from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError
 from celltrain.evolution import FromFile, Repulsion, StepFailed, evolve, resume
-from celltrain.evolution.dynamics import UNIT_DISPLACEMENT, train_dynamics
+from celltrain.evolution.dynamics import train_dynamics
 from celltrain.evolution.wall_resolution import LARGEST, SMALLEST, followed
 from celltrain.flow import wall
 from celltrain.flow.wall import _axial_response, _bessel_ratios
+from celltrain.harmonics import UNIT_DISPLACEMENT
 
 
 def test_what_is_served_is_never_above_the_distance() -> None:

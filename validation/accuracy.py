@@ -15,6 +15,7 @@ from page import Page, plain_figure
 
 from celltrain import Train, steady
 from celltrain.flow.overlaps import overlaps
+from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.steady.problem import SteadyProblem
 from celltrain.train import rates_error, resting_shapes, train_operator
 
@@ -55,21 +56,20 @@ def _rates(operator: eqx.Module, shapes: jax.Array) -> jax.Array:
 def configuration(distance: float) -> np.ndarray:
     """Two tilted cells off the axis whose membranes are `distance` apart."""
     shapes = resting_shapes(TRAIN, 1).repeat(2, axis=0)
-    unit = np.sqrt(4.0 * np.pi)
     for cell, (offset, tilt) in enumerate(zip(OFFSETS, TILTS, strict=True)):
         cosine, sine = np.cos(tilt), np.sin(tilt)
         matrix = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
         shapes[cell] = matrix @ shapes[cell]
         # Bent, too, so that no symmetry is left.
         shapes[cell, 0, 4] += 0.1 * (cell + 1)
-        shapes[cell, 0, 0] += offset * unit
+        shapes[cell, 0, 0] += offset * UNIT_DISPLACEMENT
     near, far = 0.0, 0.5 * TRAIN.length
     while far - near > 1e-4:
-        shapes[1, 2, 0] = 0.5 * (near + far) * unit
+        shapes[1, 2, 0] = 0.5 * (near + far) * UNIT_DISPLACEMENT
         touching = overlaps(shapes, period=TRAIN.length)
         near, far = (0.5 * (near + far), far) if touching else (near, 0.5 * (near + far))
     # Where they touch they are about across the tube's axis: the gap opens along it.
-    shapes[1, 2, 0] = (far + distance) * unit
+    shapes[1, 2, 0] = (far + distance) * UNIT_DISPLACEMENT
     return shapes
 
 

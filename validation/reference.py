@@ -17,7 +17,7 @@ from jaxtyping import Float
 from page import Page, plain_figure
 
 from celltrain import Train
-from celltrain.harmonics import real_harmonics
+from celltrain.harmonics import Shape, degree_of, real_harmonics
 from celltrain.train import TrainOperator, train_operator
 
 FILE = "one_cell_matched_viscosity.npz"
@@ -44,14 +44,14 @@ class Reference:
     box_velocity: float
     train: Train
 
-    def coefficients(self, values: Points, degree: int) -> Float[np.ndarray, "3 coefficient"]:
+    def coefficients(self, values: Points, degree: int) -> Shape:
         """Harmonic coefficients of values on the grid."""
         table = real_harmonics(degree, self.harmonics_theta, self.harmonics_phi)
         return (values * self.weights[:, None]).T @ table
 
-    def on_grid(self, coefficients: Float[np.ndarray, "3 coefficient"]) -> Points:
+    def on_grid(self, coefficients: Shape) -> Points:
         """Values on the grid of harmonic coefficients."""
-        degree = int(np.sqrt(coefficients.shape[-1]))
+        degree = degree_of(coefficients)
         table = real_harmonics(degree, self.harmonics_theta, self.harmonics_phi)
         return table @ coefficients.T
 

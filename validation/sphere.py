@@ -17,7 +17,7 @@ import numpy as np
 from page import Page, plain_figure
 
 from celltrain import Train
-from celltrain.harmonics import axisymmetric_basis
+from celltrain.harmonics import UNIT_DISPLACEMENT, axisymmetric_basis
 from celltrain.train import TrainOperator, close_distance, resting_shapes, train_operator
 
 # Drag factors K1, K2 by the exact series solution, many terms.
@@ -39,7 +39,7 @@ class Drag:
 
 @eqx.filter_jit
 def _matrix(operator: TrainOperator, shapes: jax.Array, basis: jax.Array) -> tuple:
-    """Velocity by unit force densities, and by none, in the axisymmetric harmonics."""
+    """Velocity by UNIT_DISPLACEMENT force densities, and by none, in the axisymmetric harmonics."""
 
     def velocity(force: jax.Array) -> jax.Array:
         on_targets = operator.surface_velocity(shapes, force)
@@ -66,8 +66,7 @@ def drag(ratio: float, period: float = PERIOD, degree: int = 16, **resolution: f
     shapes = jnp.asarray(resting_shapes(train, 1))
     matrix, undisturbed = (np.asarray(a) for a in _matrix(operator, shapes, jnp.asarray(basis)))
     # A translation by 1, and the total force of a density: both in the first member's coefficient.
-    unit = np.sqrt(4.0 * np.pi)
-    translation = np.eye(len(basis))[0] * unit
+    translation = np.eye(len(basis))[0] * UNIT_DISPLACEMENT
     # A constant normal force makes no flow: least squares leave it out.
     moving = np.linalg.lstsq(matrix, translation, rcond=1e-9)[0]
     held = np.linalg.lstsq(matrix, -undisturbed, rcond=1e-9)[0]
@@ -75,8 +74,8 @@ def drag(ratio: float, period: float = PERIOD, degree: int = 16, **resolution: f
     density = jnp.einsum("u,uik->ik", jnp.asarray(moving * free_velocity + held), basis)
     flux = operator.tube.extra_flux(operator.sources(shapes, density[None]))
     return Drag(
-        moving=moving[0] * unit / (6.0 * np.pi),
-        held=-held[0] * unit / (12.0 * np.pi),
+        moving=moving[0] * UNIT_DISPLACEMENT / (6.0 * np.pi),
+        held=-held[0] * UNIT_DISPLACEMENT / (12.0 * np.pi),
         free_velocity=free_velocity,
         apparent_viscosity=1.0 - float(flux),
     )

@@ -21,6 +21,7 @@ from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.outputs import check_output
 from celltrain.cli.progress import Reporter
+from celltrain.contract import load
 from celltrain.evolution import (
     Disturbance,
     ForwardEuler,
@@ -41,7 +42,6 @@ from celltrain.evolution.films.repulsion import RANGE, STRENGTH
 from celltrain.evolution.report import SimulationReporter, print_run, run_summary
 from celltrain.evolution.start import DEGREE
 from celltrain.parameters import CaseError, merge_case, read_case
-from celltrain.results import load
 from celltrain.stability import Stability, check_linearisable, stability
 from celltrain.steady import Base, NotConverged, steady
 

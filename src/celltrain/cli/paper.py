@@ -19,8 +19,8 @@ from celltrain.cli.study_run import Count, Retry, Run, Scheduler, compute
 from celltrain.paper import FIGURES, PaperFigure, findings_table, paper_study
 from celltrain.paper.figures import PAPER_DEGREE
 from celltrain.parameters import CaseError
-from celltrain.results import replace_file
-from celltrain.study import save_dataset, study_dataset, table
+from celltrain.results import replace_file, save, write_dataset
+from celltrain.study import collect
 
 FigureName = Annotated[
     Literal["fig6", "fig8", "fig13", "fig14", "fig16", "fig17", "fig19"],
@@ -95,15 +95,15 @@ def _data(
     if figure.compute is not None:
         check_folder(run.folder, "output")
         data = figure.compute(quick)
-        return data, [save_dataset(data, run.folder / "shapes.nc")], False
+        return data, [write_dataset(data, run.folder / "shapes.nc")], False
     study = paper_study(figure, quick=quick, degree=degree)
     records = compute(study, run, errors)
-    data = study_dataset(study, records)
+    result = collect(study, records)
     written = [
-        save_dataset(data, run.folder / "study.nc"),
-        _write(table(study, records), run.folder / "table.md"),
+        save(result, run.folder / "study.nc"),
+        _write(result.table(), run.folder / "table.md"),
     ]
-    return data, written, any(record.status == "failed" for record in records.values())
+    return result.data, written, any(record.status == "failed" for record in records.values())
 
 
 def _write(text: str, path: Path) -> Path:

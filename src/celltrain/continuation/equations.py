@@ -10,21 +10,18 @@ Rules stay those of the point before while they serve, so that they do not jump 
 correction.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from celltrain.continuation.arclength import Evaluation, NoSolution, Unknowns
-from celltrain.harmonics import Profile
+from celltrain.harmonics import UNIT_DISPLACEMENT, Profile
 from celltrain.meridian.geometry import meridian_points
 from celltrain.steady.base import Base
 from celltrain.steady.iterate import Iterated
 from celltrain.steady.problem import SteadyProblem, SteadyState, change_of_profile, unknowns_of
 from celltrain.steady.solve import describe
 
-#: A displacement by one r0 in the coefficients.
-UNIT = math.sqrt(4.0 * math.pi)
 # Of a meridian.
 POINTS = 201
 
@@ -49,7 +46,7 @@ def known_point(base: Base) -> SteadyPoint:
 
 def to_unknowns(profile: Profile) -> Unknowns:
     """(a/sqrt(4 pi), c = 0) of a shape."""
-    return np.append(unknowns_of(profile) / UNIT, 0.0)
+    return np.append(unknowns_of(profile) / UNIT_DISPLACEMENT, 0.0)
 
 
 def evaluate_steady(
@@ -59,7 +56,7 @@ def evaluate_steady(
 
     **Raises:** `NoSolution` where cells overlap each other or the wall.
     """
-    profile = change_of_profile(UNIT * unknowns[:-1])
+    profile = change_of_profile(UNIT_DISPLACEMENT * unknowns[:-1])
     # Searches come across meridians beyond the axis, whose distance from the wall is on that side.
     radius = meridian_points(profile, POINTS)[0]
     if not (problem.fits(profile) and radius.min() > -radius.max()):
@@ -71,9 +68,9 @@ def evaluate_steady(
     rates, normal = state.rates, state.volume_gradient
     size = len(rates)
     jacobian = np.zeros((size + 1, size + 1))
-    jacobian[:size, :size] = UNIT * state.jacobian
+    jacobian[:size, :size] = UNIT_DISPLACEMENT * state.jacobian
     jacobian[:size, size] = -normal
-    jacobian[size, :size] = UNIT * normal
+    jacobian[size, :size] = UNIT_DISPLACEMENT * normal
     return Evaluation(
         residual=np.append(rates - unknowns[-1] * normal, -state.missing_volume),
         jacobian=jacobian,

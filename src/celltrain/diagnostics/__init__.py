@@ -11,6 +11,7 @@ from celltrain.diagnostics.haematocrit import (
     in_vitro_viscosity,
     tube_haematocrit,
 )
+from celltrain.diagnostics.mechanisms import Mechanisms, mechanisms
 from celltrain.diagnostics.modes import ModeMotion, mode_motion
 from celltrain.diagnostics.quantities import ENERGY_PARTS, FRAME_QUANTITIES, FrameQuantity
 from celltrain.diagnostics.spectrum import deformation_spectrum, disturbance_amplitude
@@ -38,6 +39,7 @@ __all__ = [
     "CellMotion",
     "Ellipsoid",
     "FrameQuantity",
+    "Mechanisms",
     "MeridionalFlow",
     "ModeMotion",
     "Recirculation",
@@ -53,6 +55,7 @@ __all__ = [
     "frame",
     "in_vitro_viscosity",
     "isotropic_tension",
+    "mechanisms",
     "meridional_flow",
     "mode_motion",
     "perturbation_energy",

@@ -19,8 +19,9 @@ from jaxtyping import Array, Float, Int
 from scipy.spatial import cKDTree
 
 from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
-from celltrain.harmonics import real_harmonics, unit_vectors
+from celltrain.harmonics import Shapes, degree_of, displaced_along, real_harmonics, unit_vectors
 from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.jax_shapes import JaxShape
 
 # Patches, each finer than the last one by this factor; nodes of one from its middle to its edge.
 LEVELS = 10
@@ -29,7 +30,6 @@ REACH = 2
 # Points of the grid whose distances from the nearest other surface are found for each cell.
 STARTS = 64
 
-Shapes = Float[np.ndarray, "cell 3 coefficient"]
 Directions = Float[np.ndarray, "cell 3"]
 
 
@@ -60,7 +60,7 @@ def _grid(degree: int) -> _Grid:
 
 def wall_distance(shapes: Shapes, radius: float) -> Float[np.ndarray, " cell"]:
     """Distance of each cell from the wall of a tube of the given radius, in r0."""
-    grid = _grid(int(np.sqrt(shapes.shape[-1])))
+    grid = _grid(degree_of(shapes))
     points = np.einsum("pk,cik->cpi", grid.values, shapes)
     at = grid.directions[np.argmax(np.hypot(points[..., 0], points[..., 1]), axis=1)]
     largest = np.zeros(len(shapes))
@@ -79,13 +79,11 @@ def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
 
     **Arguments:** `length`: period of the whole train; images of all cells count, a cell's own too.
     """
-    grid = _grid(int(np.sqrt(shapes.shape[-1])))
+    grid = _grid(degree_of(shapes))
     cells = np.arange(len(shapes))
     points = np.einsum("pk,cik->cpi", grid.values, shapes)
     near = _nearest_points(points, length)
-    moved = shapes[near.partner]
-    # Y_00 = 1/sqrt(4 pi).
-    moved[:, 2, 0] += np.sqrt(4.0 * np.pi) * near.shift
+    moved = displaced_along(shapes[near.partner], near.shift)
     ours, theirs = np.zeros((2, len(shapes), 3))
     for cell, (these, those) in enumerate(zip(near.points, near.partner_points, strict=True)):
         found = _from_surface(
@@ -115,7 +113,7 @@ def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
 def _from_surface(
     method: NearestPoint,
     points: Float[Array, "start 3"],
-    shape: Float[Array, "3 coefficient"],
+    shape: JaxShape,
     guesses: Float[Array, "start 2"],
 ) -> NearestPoints:
     shapes = jnp.broadcast_to(shape, (points.shape[0], *shape.shape))
@@ -189,7 +187,7 @@ def _evaluate(
 ) -> Float[np.ndarray, "cell node 3"]:
     """Points of each cell's membrane, in r0."""
     x, y, z = np.moveaxis(directions.reshape(-1, 3), -1, 0)
-    degree = int(np.sqrt(shapes.shape[-1]))
+    degree = degree_of(shapes)
     values = real_harmonics(degree, np.arctan2(np.hypot(x, y), z), np.arctan2(y, x))
     values = values.reshape(*directions.shape[:2], -1)
     return values @ np.swapaxes(shapes, 1, 2)

@@ -16,6 +16,8 @@ from jaxtyping import Array, Float
 
 from celltrain.diagnostics.quantities import ENERGY_PARTS
 from celltrain.diagnostics.spectrum import disturbance_amplitude
+from celltrain.harmonics import Shapes
+from celltrain.harmonics.jax_shapes import JaxShape
 from celltrain.membrane import with_moduli
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError
@@ -26,7 +28,7 @@ from celltrain.train import train_membrane
 PAPER_AMPLITUDE = 1e-3
 
 
-def energy_parts(membrane: Membrane, shape: Float[Array, "3 coefficient"]) -> Float[Array, " part"]:
+def energy_parts(membrane: Membrane, shape: JaxShape) -> Float[Array, " part"]:
     """Energy of one cell by `ENERGY_PARTS`: shear, dilatation, bending; in mu U r0^2.
 
     The energy is linear in the moduli, so each part is the energy with the other moduli zero. A law
@@ -48,7 +50,7 @@ def _with_only(membrane: Membrane, modulus: str) -> Membrane:
 
 def perturbation_energy(
     base: Base,
-    disturbance: Float[np.ndarray, "cell 3 coefficient"],
+    disturbance: Shapes,
     amplitude: float = PAPER_AMPLITUDE,
 ) -> Float[np.ndarray, " part"]:
     """Strain energy of a disturbance by shear, dilatation and bending, Eq. (24) and Table I.

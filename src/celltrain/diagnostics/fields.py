@@ -5,6 +5,7 @@ import jax
 from jaxtyping import Array, Float
 
 from celltrain.diagnostics.tension import isotropic_tension
+from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.membrane.energy import Membrane
 
 
@@ -19,8 +20,8 @@ class SurfaceFields(eqx.Module):
 @eqx.filter_jit
 def surface_fields(
     membrane: Membrane,
-    shapes: Float[Array, "cell 3 coefficient"],
-    rates: Float[Array, "cell 3 coefficient"],
+    shapes: JaxShapes,
+    rates: JaxShapes,
 ) -> SurfaceFields:
     """Position, velocity and tension at the points on which the energy is integrated.
 

@@ -15,6 +15,7 @@ from celltrain.diagnostics.moments import cell_moments
 from celltrain.diagnostics.quantities import ENERGY_PARTS, FRAME_QUANTITIES
 from celltrain.diagnostics.rotation import cell_motion
 from celltrain.diagnostics.spectrum import deformation_spectrum
+from celltrain.harmonics.jax_shapes import JaxShape, JaxShapes
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.train import train_membrane
@@ -65,14 +66,12 @@ def _membrane(train: Train) -> Membrane:
 @eqx.filter_jit
 def _measure(
     membrane: Membrane,
-    shapes: Float[Array, "cell 3 coefficient"],
-    rates: Float[Array, "cell 3 coefficient"],
+    shapes: JaxShapes,
+    rates: JaxShapes,
 ) -> dict[str, Float[Array, "cell ..."]]:
     """What comes from integrals over each membrane."""
 
-    def one(
-        shape: Float[Array, "3 coefficient"], rate: Float[Array, "3 coefficient"]
-    ) -> dict[str, Float[Array, "..."]]:
+    def one(shape: JaxShape, rate: JaxShape) -> dict[str, Float[Array, "..."]]:
         moments = cell_moments(membrane, shape)
         ellipsoid = best_ellipsoid(moments.solid)
         motion = cell_motion(membrane, shape, rate)

@@ -8,9 +8,10 @@ accurate.
 
 import equinox as eqx
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.harmonics import mean_points
+from celltrain.harmonics.jax_shapes import JaxShape
 from celltrain.membrane.energy import Membrane
 from celltrain.membrane.geometry import surface_geometry
 
@@ -35,13 +36,8 @@ class CellMoments(eqx.Module):
         return self.volume * (jnp.eye(3) * jnp.trace(self.solid) - self.solid)
 
 
-def mean_point(shape: Float[Array, "3 coefficient"]) -> Float[Array, "3"]:
-    """Mean of the membrane's points over solid angle, in r0: (0, 0) coefficient times Y_00."""
-    return shape[:, 0] / np.sqrt(4.0 * np.pi)
-
-
 def surface_elements(
-    membrane: Membrane, shape: Float[Array, "3 coefficient"]
+    membrane: Membrane, shape: JaxShape
 ) -> tuple[Float[Array, "point 3"], Float[Array, "point 3"]]:
     """Points of the membrane's grid (r0) and outward elements n dS with their weights (r0^2)."""
     geometry = surface_geometry(membrane.tables, shape)
@@ -49,7 +45,7 @@ def surface_elements(
     return geometry.position, geometry.normal * area[:, None]
 
 
-def cell_moments(membrane: Membrane, shape: Float[Array, "3 coefficient"]) -> CellMoments:
+def cell_moments(membrane: Membrane, shape: JaxShape) -> CellMoments:
     """The moments of one cell.
 
     With div(x) = 3, div(x_i x) = 4 x_i and div(x_i x_j x) = 5 x_i x_j,
@@ -58,7 +54,7 @@ def cell_moments(membrane: Membrane, shape: Float[Array, "3 coefficient"]) -> Ce
         G_ij = (1/5V) int x_i x_j x.n dS   (x from c).
     """
     points, elements = surface_elements(membrane, shape)
-    middle = mean_point(shape)
+    middle = mean_points(shape)
     # From a point inside the cell, so that a distant cell loses no digits.
     points = points - middle
     volume = jnp.sum(points * elements) / 3.0

@@ -28,6 +28,7 @@ from jaxtyping import Array, Float
 
 from celltrain.diagnostics.modes import COINCIDENT
 from celltrain.diagnostics.moments import CellMoments, cell_moments, surface_elements
+from celltrain.harmonics.jax_shapes import JaxShape
 from celltrain.membrane.energy import Membrane
 
 
@@ -51,8 +52,8 @@ class CellMotion(eqx.Module):
 
 def cell_motion(
     membrane: Membrane,
-    shape: Float[Array, "3 coefficient"],
-    rates: Float[Array, "3 coefficient"],
+    shape: JaxShape,
+    rates: JaxShape,
 ) -> CellMotion:
     """Motion of a cell whose coefficients change at the given rates (U).
 
@@ -67,8 +68,8 @@ def cell_motion(
 
 def membrane_rotation(
     membrane: Membrane,
-    shape: Float[Array, "3 coefficient"],
-    rates: Float[Array, "3 coefficient"],
+    shape: JaxShape,
+    rates: JaxShape,
     moments: CellMoments,
     centroid_velocity: Float[Array, "3"],
 ) -> Float[Array, "3"]:

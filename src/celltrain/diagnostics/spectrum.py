@@ -3,12 +3,12 @@
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import degrees_and_orders
+from celltrain.harmonics import Shapes, degree_of, degrees_and_orders
 from celltrain.stability import paper_weights
 
 
 def deformation_spectrum(
-    disturbance: Float[np.ndarray, "cell 3 coefficient"],
+    disturbance: Shapes,
 ) -> Float[np.ndarray, " degree"]:
     """E_n of Eq. (16) of Bryngelson & Freund (2018), in r0^2, for n = 0 ... M - 1.
 
@@ -16,13 +16,13 @@ def deformation_spectrum(
 
     a, b the paper's coefficients (see `paper_weights`).
     """
-    degree = int(np.sqrt(disturbance.shape[-1]))
+    degree = degree_of(disturbance)
     n, _ = degrees_and_orders(degree)
     squares = paper_weights(degree) * np.sum(disturbance**2, axis=1).mean(axis=0)
     return np.bincount(n, weights=squares)
 
 
-def disturbance_amplitude(disturbance: Float[np.ndarray, "cell 3 coefficient"]) -> float:
+def disturbance_amplitude(disturbance: Shapes) -> float:
     """Norm eps of a disturbance of all cells, Eq. (8) of Bryngelson & Freund (2018), in r0.
 
     eps^2 is the sum of the squares of the paper's coefficients over all cells, N sum_n E_n: the

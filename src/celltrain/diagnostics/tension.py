@@ -4,12 +4,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from celltrain.harmonics.jax_shapes import JaxShape
 from celltrain.membrane.energy import Membrane
 
 
-def isotropic_tension(
-    membrane: Membrane, shape: Float[Array, "3 coefficient"]
-) -> Float[Array, " point"]:
+def isotropic_tension(membrane: Membrane, shape: JaxShape) -> Float[Array, " point"]:
     """Mean of the two principal tensions at the points of the membrane's grid, in mu U.
 
     A membrane with the energy W(I1, I2) for each area at rest has the principal tensions

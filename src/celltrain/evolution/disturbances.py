@@ -9,18 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
 from celltrain.diagnostics import disturbance_amplitude
 from celltrain.evolution.checks import check_positive
-from celltrain.evolution.dynamics import UNIT_DISPLACEMENT
 from celltrain.evolution.record.run import Run
+from celltrain.harmonics import Shapes, displaced
 from celltrain.parameters import CaseError
 from celltrain.stability import Mode as StabilityMode
 from celltrain.stability import Stability
 from celltrain.steady import Base
-
-Shapes = Float[np.ndarray, "cell 3 coefficient"]
 
 
 class Disturbance(abc.ABC):
@@ -123,10 +120,9 @@ class RandomDisplacement(Disturbance):
     def shapes(self, start: Base | Stability) -> Shapes:
         """Coefficients of Y_00 alone."""
         train = _base(start).train
-        moved = np.zeros((train.cells, 3, train.degree**2))
+        still = np.zeros((train.cells, 3, train.degree**2))
         random = np.random.default_rng(self.seed)
-        moved[:, :, 0] = UNIT_DISPLACEMENT * random.normal(size=(train.cells, 3))
-        return scaled(moved, self.amplitude)
+        return scaled(displaced(still, random.normal(size=(train.cells, 3))), self.amplitude)
 
 
 @dataclass(frozen=True)

@@ -13,15 +13,12 @@ from jaxtyping import Array, Float, Int
 from celltrain.evolution.films.forces import FilmForces, Films, film_forces
 from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.state import Measures, Settled, State
+from celltrain.harmonics import UNIT_DISPLACEMENT, Shapes, displaced_along, mean_points
 from celltrain.membrane.geometry import surface_geometry
 from celltrain.stability import paper_weights
 from celltrain.steady import Base
 from celltrain.train import TrainOperator, place_cells, train_operator
 
-Shapes = Float[np.ndarray, "cell 3 coefficient"]
-
-# A displacement by d adds d sqrt(4 pi) to the coefficient of Y_00.
-UNIT_DISPLACEMENT = float(np.sqrt(4.0 * np.pi))
 # Corrections of the volume after a step; Newton's method needs no more.
 VOLUME_ITERATIONS = 2
 
@@ -72,15 +69,11 @@ class Dynamics(eqx.Module):
 
     def tube_rates(self, rates: Shapes) -> Shapes:
         """The same rates relative to the tube."""
-        moved = np.array(rates)
-        moved[:, 2, 0] += UNIT_DISPLACEMENT * self.cell_velocity
-        return moved
+        return displaced_along(rates, self.cell_velocity)
 
     def continuous(self, shapes: Shapes, laps: Int[np.ndarray, " cell"]) -> Shapes:
         """Shapes where the cells have really gone, not put back by lengths of the train."""
-        moved = np.array(shapes)
-        moved[:, 2, 0] += UNIT_DISPLACEMENT * float(self.length) * laps
-        return moved
+        return displaced_along(shapes, float(self.length) * laps)
 
     def settle(self, shapes: Shapes) -> Settled:
         """Correct the volumes, put cells back into the train's window, and measure.
@@ -184,19 +177,18 @@ def _settle(
 
     settled = jax.vmap(corrected)(shapes)
     correction = (settled - shapes) @ operator.target_grid.values.T
-    displaced = settled - base
+    disturbance = settled - base
     # The window starts half a cell's period before the first cell of the steady train.
-    start = base[0, 2, 0] / UNIT_DISPLACEMENT - 0.5 * length / base.shape[0]
-    places = settled[:, 2, 0] / UNIT_DISPLACEMENT - start
-    laps = jnp.floor(places / length)
+    start = mean_points(base[0])[2] - 0.5 * length / base.shape[0]
+    laps = jnp.floor((mean_points(settled)[:, 2] - start) / length)
     numbers = jnp.stack(
         [
             jnp.sqrt(jnp.max(jnp.sum(correction**2, axis=1))),
-            jnp.sqrt(jnp.sum(weights * displaced**2)),
-            jnp.sqrt(jnp.sum(displaced**2)) / UNIT_DISPLACEMENT,
+            jnp.sqrt(jnp.sum(weights * disturbance**2)),
+            jnp.sqrt(jnp.sum(disturbance**2)) / UNIT_DISPLACEMENT,
             jnp.sum(jax.vmap(membrane.energy)(settled)),
             jnp.sum(jax.vmap(area)(settled)),
         ]
     )
-    wrapped = settled.at[:, 2, 0].add(-UNIT_DISPLACEMENT * length * laps)
+    wrapped = displaced_along(settled, -length * laps)
     return _Measured(wrapped, laps.astype(int), numbers)

@@ -16,11 +16,10 @@ from jaxtyping import Array, Bool, Float, Int
 from scipy.spatial import cKDTree
 
 from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
-from celltrain.harmonics import real_harmonics, unit_vectors
+from celltrain.harmonics import Shapes, real_harmonics, unit_vectors
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.tables import harmonic_tables
 
-Shapes = Float[np.ndarray, "cell 3 coefficient"]
 Points = Float[np.ndarray, "point 3"]
 
 # Rings of the grids, over the degree of the shapes.

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Complex, Float
 
-from celltrain.harmonics import azimuthal_basis, degrees_and_orders
+from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis, degree_of, degrees_and_orders
 from celltrain.stability import Stability, paper_weights
 
 # Part of a disturbance's square norm that may lie outside the azimuthal numbers that are known.
@@ -70,10 +70,9 @@ def linear_prediction(
     turn about the axis by pi/(2 m), z ~ sin(m phi), have the same block.
     """
     cells, _, count = disturbance.shape
-    degree = int(np.sqrt(count))
+    degree = degree_of(disturbance)
     weights = paper_weights(degree)
-    # A displacement by d adds d sqrt(4 pi) to the coefficient of Y_00.
-    mean = np.full(count, 0.25 / np.pi)
+    mean = np.full(count, 1.0 / UNIT_DISPLACEMENT**2)
     total = float(np.sum(weights * disturbance**2))
     waves = np.fft.fft(disturbance, axis=0)
     parts: list[Part] = []
@@ -103,7 +102,7 @@ def turned_family(basis: Family, m: int) -> Family:
     x'(theta, phi) = R x(theta, phi - angle), with R the rotation by the angle.
     """
     angle = np.pi / (2 * m)
-    n, order = degrees_and_orders(int(np.sqrt(basis.shape[-1])))
+    n, order = degrees_and_orders(degree_of(basis))
     partner = n * n + n - order
     # cos(k (phi - a)) = cos(k a) cos(k phi) + sin(k a) sin(k phi), and the like for the sine.
     shifted = np.cos(order * angle) * basis - np.sin(order * angle) * basis[..., partner]

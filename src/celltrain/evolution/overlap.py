@@ -4,10 +4,9 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.flow.overlaps import overlaps
+from celltrain.harmonics import Shapes
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.parameters import Train
-
-Shapes = Float[np.ndarray, "cell 3 coefficient"]
 
 # Boxes around the grid's points are widened by this (r0), since surfaces pass their grid's points.
 MARGIN = 0.05

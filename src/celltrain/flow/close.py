@@ -26,14 +26,13 @@ from jaxtyping import Array, Bool, Float, Int
 
 from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
 from celltrain.flow.polar import PolarRule, density_rows, polar_velocity
+from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.polar import PolarTables, polar_tables
 
 CHUNK = 16
 NEAREST_CHUNK = 64
 UNIFORMITY = 8.0
 CLOSEST = 1e-4
-
-Coefficients = Float[Array, "cell 3 coefficient"]
 
 
 class CloseRule(eqx.Module):
@@ -52,9 +51,9 @@ class CloseRule(eqx.Module):
         cells: Int[Array, " pair"],
         guesses: Float[Array, "pair 2"],
         valid: Bool[Array, " pair"],
-        shapes: Coefficients,
-        forces: Coefficients | None,
-        densities: Coefficients | None,
+        shapes: JaxShapes,
+        forces: JaxShapes | None,
+        densities: JaxShapes | None,
     ) -> Float[Array, "pair 3"]:
         """(1/8 pi) int G_near F dOmega + (1/8 pi) int T_near(y - x)_ijk w_j n_k dS, in U.
 
@@ -84,7 +83,7 @@ class CloseRule(eqx.Module):
         cells: Int[Array, " pair"],
         guesses: Float[Array, "pair 2"],
         valid: Bool[Array, " pair"],
-        shapes: Coefficients,
+        shapes: JaxShapes,
     ) -> Float[Array, "pair 3 3 coefficient"]:
         """Matrices from the coefficients of w on each pair's cell to the second integral above.
 
@@ -105,7 +104,7 @@ class CloseRule(eqx.Module):
         cells: Int[Array, " pair"],
         guesses: Float[Array, "pair 2"],
         valid: Bool[Array, " pair"],
-        shapes: Coefficients,
+        shapes: JaxShapes,
     ) -> NearestPoints:
         """Nearest point of each pair's cell; the distance of pairs that are not valid is infinite.
 

@@ -13,6 +13,7 @@ from jaxtyping import Array, Float, Int
 from celltrain.flow.close import CloseRule
 from celltrain.flow.close_pairs import ClosePairs, close_pairs
 from celltrain.flow.sources import Sources
+from celltrain.harmonics.jax_shapes import JaxShapes
 
 
 class Neighbours(eqx.Module):
@@ -60,7 +61,7 @@ class CloseEvaluation(eqx.Module):
         self,
         neighbours: Neighbours,
         targets: Float[Array, "group target 3"],
-        shapes: Float[Array, "cell 3 coefficient"],
+        shapes: JaxShapes,
         period: Float[Array, ""],
     ) -> Neighbours:
         """The same pairs with the double layer's matrices, for many densities."""

@@ -10,7 +10,9 @@ from jaxtyping import Array, Float
 from scipy.spatial import KDTree
 
 from celltrain.flow.nearest import NearestPoint, nearest_point
+from celltrain.harmonics import Shape, Shapes, degree_of
 from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.jax_shapes import JaxShape, JaxShapes
 from celltrain.harmonics.tables import harmonic_tables
 
 BATCH = 128
@@ -45,7 +47,7 @@ class Overlap:
 class _Surface:
     """Grid points of a cell, their outward normals, their bounding box, and a tree of them."""
 
-    shape: Float[np.ndarray, "3 coefficient"]
+    shape: Shape
     points: Float[np.ndarray, "point 3"]
     normals: Float[np.ndarray, "point 3"]
     low: Float[np.ndarray, "3"]
@@ -54,7 +56,7 @@ class _Surface:
 
 
 def overlaps(
-    shapes: Float[np.ndarray, "cell 3 coefficient"] | Float[Array, "cell 3 coefficient"],
+    shapes: Shapes | JaxShapes,
     *,
     period: float,
     images: int = 1,
@@ -72,7 +74,7 @@ def overlaps(
     times the degree unless given).
     """
     shapes = np.asarray(shapes)
-    degree = int(np.sqrt(shapes.shape[-1]))
+    degree = degree_of(shapes)
     guesses, (value, d_theta, d_phi), method = _tools(
         degree, 3 * degree if order is None else order
     )
@@ -165,7 +167,7 @@ def _signed_distances(
 def _batch(
     method: NearestPoint,
     points: Float[Array, "point 3"],
-    shape: Float[Array, "3 coefficient"],
+    shape: JaxShape,
     guesses: Float[Array, "point 2"],
 ) -> Float[Array, " point"]:
     shapes = jnp.broadcast_to(shape, (points.shape[0], *shape.shape))

@@ -17,7 +17,8 @@ from jaxtyping import Array, Float
 from celltrain.flow.ewald import near_stress_scalars
 from celltrain.flow.force_sums import force_sums
 from celltrain.flow.sources import SYMMETRIC
-from celltrain.harmonics import polar_nodes
+from celltrain.harmonics import degree_of, polar_nodes
+from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.longitude import shift_longitude, unshift_longitude
 from celltrain.harmonics.polar import PolarTables, polar_rotation, polar_tables
 
@@ -45,8 +46,8 @@ class OwnSurfaceRule(eqx.Module):
         self,
         targets: Float[Array, "cell ring azimuth 3"],
         longitudes: Float[Array, " azimuth"],
-        shapes: Float[Array, "cell 3 coefficient"],
-        forces: Float[Array, "cell 3 coefficient"],
+        shapes: JaxShapes,
+        forces: JaxShapes,
     ) -> Float[Array, "cell ring azimuth 3"]:
         """(1/8 pi) int G_near F dOmega over each target's own cell.
 
@@ -69,7 +70,7 @@ class OwnSurfaceRule(eqx.Module):
         self,
         targets: Float[Array, "cell ring azimuth 3"],
         longitudes: Float[Array, " azimuth"],
-        shapes: Float[Array, "cell 3 coefficient"],
+        shapes: JaxShapes,
     ) -> tuple[Kernel, SmoothKernel]:
         """Matrices from the coefficients of w to (1/8 pi) PV int T_ijk(y - x) w_j n_k dS.
 
@@ -130,9 +131,8 @@ class OwnSurfaceRule(eqx.Module):
 
     def _at_pole(self) -> Float[Array, " coefficient"]:
         """Harmonics at the pole: those of order 0, where they are sqrt((2 n + 1)/(4 pi))."""
-        count = self.rotations.shape[-1]
-        n = np.arange(math.isqrt(count))
-        values = np.zeros(count)
+        n = np.arange(degree_of(self.rotations))
+        values = np.zeros(n.size**2)
         values[n * n + n] = np.sqrt((2 * n + 1) / (4.0 * np.pi))
         return jnp.asarray(values)
 

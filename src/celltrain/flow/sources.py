@@ -4,6 +4,8 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.harmonics.jax_shapes import JaxShapes
+
 # Components of a symmetric matrix that are kept, and where each of the nine is among them.
 SYMMETRIC = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 UNFOLD = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
@@ -15,9 +17,9 @@ class Surface(eqx.Module):
     `forces` are those per solid angle, in mu U r0; `densities` are w, in U.
     """
 
-    shapes: Float[Array, "cell 3 coefficient"]
-    forces: Float[Array, "cell 3 coefficient"] | None = None
-    densities: Float[Array, "cell 3 coefficient"] | None = None
+    shapes: JaxShapes
+    forces: JaxShapes | None = None
+    densities: JaxShapes | None = None
 
 
 class Sources(eqx.Module):

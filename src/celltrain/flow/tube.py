@@ -28,6 +28,7 @@ from celltrain.flow.neighbours import CloseEvaluation, Neighbours
 from celltrain.flow.sources import Sources
 from celltrain.flow.transform import Transform, transform
 from celltrain.flow.wall import TubeWall, tube_wall
+from celltrain.harmonics.jax_shapes import JaxShapes
 
 # Close pairs listed for each target, and for each point of the wall, on average.
 CELL_SHARE, WALL_SHARE = 2.0, 0.5
@@ -126,7 +127,7 @@ class PeriodicTube(eqx.Module):
         owners: Int[Array, " group"],
         points: Float[Array, "cell source_ring source_azimuth 3"],
         *,
-        shapes: Float[Array, "cell 3 coefficient"] | None = None,
+        shapes: JaxShapes | None = None,
     ) -> TubeNeighbours | None:
         """Which targets, and which points of the wall, are close to a cell's grid points.
 

@@ -2,7 +2,7 @@
 
 What is here needs NumPy only. The parts for JAX are modules of their own: `tables` and `grid` (the
 harmonics at fixed points), `longitude`, `rotation` and `polar` (functions turned, and seen from
-other poles).
+other poles), and `jax_shapes` (what arrays of shapes are called there).
 """
 
 from celltrain.harmonics.azimuthal import azimuthal_weight, cylindrical_members, member_count
@@ -11,10 +11,22 @@ from celltrain.harmonics.families import axisymmetric_basis, azimuthal_basis, az
 from celltrain.harmonics.legendre import LegendreTables, legendre_functions, legendre_tables
 from celltrain.harmonics.nodes import about_pole, gauss_colatitudes, polar_nodes, unit_vectors
 from celltrain.harmonics.profile import Profile, coefficients_of, profile_of, project_meridian
+from celltrain.harmonics.shapes import (
+    UNIT_DISPLACEMENT,
+    Shape,
+    Shapes,
+    degree_of,
+    displaced,
+    displaced_along,
+    mean_points,
+)
 
 __all__ = [
+    "UNIT_DISPLACEMENT",
     "LegendreTables",
     "Profile",
+    "Shape",
+    "Shapes",
     "about_pole",
     "axisymmetric_basis",
     "azimuthal_basis",
@@ -23,10 +35,14 @@ __all__ = [
     "coefficient_index",
     "coefficients_of",
     "cylindrical_members",
+    "degree_of",
     "degrees_and_orders",
+    "displaced",
+    "displaced_along",
     "gauss_colatitudes",
     "legendre_functions",
     "legendre_tables",
+    "mean_points",
     "member_count",
     "polar_nodes",
     "profile_of",

@@ -1,13 +1,12 @@
 """Coefficients of functions on the sphere turned about its axis, in JAX."""
 
-import math
-
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 import celltrain.runtime  # noqa: F401
 from celltrain.harmonics.basis import degrees_and_orders
+from celltrain.harmonics.shapes import degree_of
 
 
 def turns(
@@ -26,7 +25,7 @@ def partners(
     coefficients: Float[Array, "*batch coefficient"],
 ) -> Float[Array, "*batch coefficient"]:
     """The coefficients of opposite order, cosines for sines."""
-    n, order = degrees_and_orders(math.isqrt(coefficients.shape[-1]))
+    n, order = degrees_and_orders(degree_of(coefficients))
     return coefficients[..., n * n + n - order]
 
 
@@ -36,7 +35,7 @@ def shift_longitude(
     """Coefficients of x(theta, phi + angle), for each angle."""
     # cos(m (phi + a)) = cos(m a) cos(m phi) - sin(m a) sin(m phi), and the like for the sine.
     shape = (-1,) + (1,) * (coefficients.ndim - 1) + coefficients.shape[-1:]
-    found = turns(angles, math.isqrt(coefficients.shape[-1]))
+    found = turns(angles, degree_of(coefficients))
     cosine, sine = (each.reshape(shape) for each in found)
     return cosine * coefficients + sine * partners(coefficients)
 
@@ -45,7 +44,7 @@ def unshift_longitude(
     functionals: Float[Array, "*batch angle coefficient"], angles: Float[Array, " angle"]
 ) -> Float[Array, "*batch angle coefficient"]:
     """Transpose of `shift_longitude`: what acts on x(theta, phi + angle), as acting on x."""
-    cosine, sine = turns(angles, math.isqrt(functionals.shape[-1]))
+    cosine, sine = turns(angles, degree_of(functionals))
     return cosine * functionals - sine * partners(functionals)
 
 
@@ -53,5 +52,5 @@ def turn_longitude(
     coefficients: Float[Array, "pair channel coefficient"], angles: Float[Array, " pair"]
 ) -> Float[Array, "pair channel coefficient"]:
     """Coefficients of x(theta, phi + angle), an angle for each pair."""
-    cosine, sine = turns(angles, math.isqrt(coefficients.shape[-1]))
+    cosine, sine = turns(angles, degree_of(coefficients))
     return cosine[:, None] * coefficients + sine[:, None] * partners(coefficients)

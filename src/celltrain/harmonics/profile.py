@@ -14,22 +14,23 @@ from jaxtyping import Float
 
 from celltrain.harmonics.legendre import legendre_functions
 from celltrain.harmonics.nodes import gauss_colatitudes
+from celltrain.harmonics.shapes import Shape, degree_of
 
 Profile = Float[np.ndarray, "2 degree"]
 Angles = Float[np.ndarray, " point"]
 Meridian = tuple[Float[np.ndarray, " point"], Float[np.ndarray, " point"]]
 
 
-def profile_of(coefficients: Float[np.ndarray, "3 coefficient"]) -> Profile:
+def profile_of(coefficients: Shape) -> Profile:
     """The profile of a shape's axisymmetric part: z, and x on the half plane y = 0."""
-    n = np.arange(math.isqrt(coefficients.shape[-1]))
+    n = np.arange(degree_of(coefficients))
     profile = np.zeros((2, n.size))
     profile[0] = coefficients[2, n * n + n]
     profile[1, 1:] = math.sqrt(2.0) * coefficients[0, (n * n + n + 1)[1:]]
     return profile
 
 
-def coefficients_of(profile: Profile) -> Float[np.ndarray, "3 coefficient"]:
+def coefficients_of(profile: Profile) -> Shape:
     """The harmonic coefficients [3, M^2] of an axisymmetric shape."""
     n = np.arange(profile.shape[1])
     coefficients = np.zeros((3, n.size**2))

@@ -18,7 +18,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 import celltrain.runtime  # noqa: F401
+from celltrain.harmonics import Shape, degree_of
 from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.jax_shapes import JaxShape
 from celltrain.harmonics.tables import HarmonicTables, harmonic_tables
 from celltrain.laws.bending import BENDINGS, BendingLaw
 from celltrain.laws.constitutive import LAWS, ConstitutiveLaw
@@ -45,35 +47,33 @@ class Membrane(eqx.Module):
     weights: Float[Array, " point"]
     inverse_sine: Float[Array, " point"]
     reference: RestGeometry
-    reference_shape: Float[Array, "3 coefficient"]
+    reference_shape: JaxShape
 
-    def energy(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, ""]:
+    def energy(self, coefficients: JaxShape) -> Float[Array, ""]:
         """Elastic energy of one cell, in mu U r0^2."""
         forms = surface_forms(self.tables, coefficients)
         density = energy_density(self.law, self.bending, forms, self.reference)
         return jnp.sum(density * self.reference.area * self.inverse_sine * self.weights)
 
     def invariants(
-        self, coefficients: Float[Array, "3 coefficient"]
+        self, coefficients: JaxShape
     ) -> tuple[Float[Array, " point"], Float[Array, " point"]]:
         """Strain invariants I1 = tr(C) - 2 and I2 = det(C) - 1 of a shape, on the grid."""
         return invariants(surface_forms(self.tables, coefficients), self.reference)
 
-    def force(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, "3 coefficient"]:
+    def force(self, coefficients: JaxShape) -> JaxShape:
         """Coefficients of the force per solid angle on the fluid, F = -dE/ds, in mu U r0."""
         return -jax.grad(self.energy)(coefficients)
 
-    def volume(self, coefficients: Float[Array, "3 coefficient"]) -> Float[Array, ""]:
+    def volume(self, coefficients: JaxShape) -> Float[Array, ""]:
         """Enclosed volume, in r0^3."""
         return volume(self.tables, self.weights, self.inverse_sine, coefficients)
 
-    def volume_gradient(
-        self, coefficients: Float[Array, "3 coefficient"]
-    ) -> Float[Array, "3 coefficient"]:
+    def volume_gradient(self, coefficients: JaxShape) -> JaxShape:
         """dV/ds: the coefficients of n dS/dOmega, in r0^2."""
         return jax.grad(self.volume)(coefficients)
 
-    def at_rest_in(self, shape: Float[Array, "3 coefficient"]) -> "Membrane":
+    def at_rest_in(self, shape: JaxShape) -> "Membrane":
         """The same membrane with another resting shape."""
         return eqx.tree_at(
             lambda each: (each.reference, each.reference_shape),
@@ -85,7 +85,7 @@ class Membrane(eqx.Module):
 def make_membrane(
     law: ConstitutiveLaw,
     bending: BendingLaw,
-    reference_shape: Float[np.ndarray, "3 coefficient"],
+    reference_shape: Shape,
     *,
     energy_order: int,
 ) -> Membrane:
@@ -94,7 +94,7 @@ def make_membrane(
     **Arguments:** `energy_order`: rings of the grid on which the energy is integrated; 3 M is the
     paper's choice.
     """
-    degree = int(np.sqrt(reference_shape.shape[-1]))
+    degree = degree_of(reference_shape)
     grid = sphere_grid(1, energy_order)
     theta, phi = grid.points()
     tables = harmonic_tables(degree, theta, phi)
@@ -110,7 +110,7 @@ def make_membrane(
     )
 
 
-def _rest_geometry(tables: HarmonicTables, shape: Float[Array, "3 coefficient"]) -> RestGeometry:
+def _rest_geometry(tables: HarmonicTables, shape: JaxShape) -> RestGeometry:
     return rest_geometry(surface_forms(tables, shape))
 
 

@@ -20,9 +20,8 @@ from functools import cache
 from math import copysign, pi, sqrt, trunc
 
 import numpy as np
-from jaxtyping import Float
 
-from celltrain.harmonics import coefficients_of, profile_of
+from celltrain.harmonics import Shape, coefficients_of, profile_of
 from celltrain.membrane.reference import reference_coefficients
 from celltrain.membrane.relaxation import Relaxation, relaxation
 from celltrain.membrane.stationary import Unknowns, least_energy, minimum_slope
@@ -37,7 +36,7 @@ LARGEST_IMBALANCE = 1e-9
 
 
 @cache
-def relaxed_shape(degree: int, reduced_volume: float) -> Float[np.ndarray, "3 coefficient"]:
+def relaxed_shape(degree: int, reduced_volume: float) -> Shape:
     """Coefficients of the resting cell of a reduced volume v, its axis the tube's, its centre at 0.
 
     **Raises:** `CaseError` if no minimum was found.
@@ -54,7 +53,7 @@ def relaxed_shape(degree: int, reduced_volume: float) -> Float[np.ndarray, "3 co
 
 
 @cache
-def relaxed_slope(degree: int, reduced_volume: float) -> Float[np.ndarray, "3 coefficient"]:
+def relaxed_slope(degree: int, reduced_volume: float) -> Shape:
     """Derivative of `relaxed_shape` by the reduced volume, r0.
 
     **Raises:** `CaseError` next to the sphere, where it becomes infinite, or if there is no shape.

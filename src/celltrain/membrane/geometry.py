@@ -4,6 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from celltrain.harmonics.jax_shapes import JaxShape
 from celltrain.harmonics.tables import HarmonicTables
 from celltrain.membrane.density import Forms
 from celltrain.membrane.forms import fundamental_forms
@@ -20,16 +21,14 @@ class SurfaceGeometry(eqx.Module):
     area: Float[Array, " point"]
 
 
-def surface_geometry(
-    tables: HarmonicTables, coefficients: Float[Array, "3 coefficient"]
-) -> SurfaceGeometry:
+def surface_geometry(tables: HarmonicTables, coefficients: JaxShape) -> SurfaceGeometry:
     """Geometry of x = sum_c s_c Y_c."""
     cross = jnp.cross(tables.d_theta @ coefficients.T, tables.d_phi @ coefficients.T)
     area = jnp.sqrt(jnp.sum(cross * cross, axis=-1))
     return SurfaceGeometry(tables.value @ coefficients.T, cross / area[:, None], area)
 
 
-def surface_forms(tables: HarmonicTables, coefficients: Float[Array, "3 coefficient"]) -> Forms:
+def surface_forms(tables: HarmonicTables, coefficients: JaxShape) -> Forms:
     """The metric, and the curvature form times sqrt(det a), at the points of a grid."""
     derivatives = (
         tables.d_theta,
@@ -45,7 +44,7 @@ def volume(
     tables: HarmonicTables,
     weights: Float[Array, " point"],
     inverse_sine: Float[Array, " point"],
-    coefficients: Float[Array, "3 coefficient"],
+    coefficients: JaxShape,
 ) -> Float[Array, ""]:
     """Enclosed volume (1/3) int x . (x_theta x x_phi)/sin(theta) dOmega.
 

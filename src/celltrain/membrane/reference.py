@@ -1,9 +1,8 @@
 """The resting shapes that are known in closed form."""
 
 import numpy as np
-from jaxtyping import Float
 
-from celltrain.harmonics import Profile, coefficients_of, project_meridian
+from celltrain.harmonics import Profile, Shape, coefficients_of, project_meridian
 from celltrain.parameters.reference_shape import BICONCAVE_PROFILE, BICONCAVE_RADIUS
 
 
@@ -38,6 +37,6 @@ def reference_profile(degree: int, shape: str) -> Profile:
     return project_meridian(degree, SHAPES[shape], max(degree, 6) + 4)
 
 
-def reference_coefficients(degree: int, shape: str) -> Float[np.ndarray, "3 coefficient"]:
+def reference_coefficients(degree: int, shape: str) -> Shape:
     """The harmonic coefficients of the same, see `reference_profile`."""
     return coefficients_of(reference_profile(degree, shape))

@@ -4,7 +4,7 @@ import numpy as np
 import scipy  # loads its parts when they are used
 from jaxtyping import Float
 
-from celltrain.harmonics import coefficients_of, legendre_functions, project_meridian
+from celltrain.harmonics import Shape, coefficients_of, legendre_functions, project_meridian
 from celltrain.membrane.equilibrium import relaxed_shape
 from celltrain.membrane.reference import reference_coefficients
 from celltrain.parameters import CaseError, Cell
@@ -14,7 +14,7 @@ from celltrain.parameters.reference_shape import spheroid_axes
 LARGEST_MISFIT = 0.02
 
 
-def resting_shape(cell: Cell, degree: int) -> Float[np.ndarray, "3 coefficient"]:
+def resting_shape(cell: Cell, degree: int) -> Shape:
     """Coefficients, below `degree`, of a cell at rest, its axis the tube's.
 
     **Raises:** `CaseError` for a profile that the degree cannot follow, or if no shape of the
@@ -30,9 +30,7 @@ def resting_shape(cell: Cell, degree: int) -> Float[np.ndarray, "3 coefficient"]
     return reference_coefficients(degree, cell.reference)
 
 
-def profile_shape(
-    points: Float[np.ndarray, "point 2"], degree: int
-) -> Float[np.ndarray, "3 coefficient"]:
+def profile_shape(points: Float[np.ndarray, "point 2"], degree: int) -> Shape:
     """Coefficients of the surface with a meridian through points, its mean height at 0.
 
     A cubic spline in the chord length; theta is its arc length, scaled. Then the projection on the

@@ -10,8 +10,9 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import cKDTree
 
+from celltrain.harmonics import degree_of
 from celltrain.pictures.camera import Camera
-from celltrain.pictures.surface import degree_of, surface
+from celltrain.pictures.surface import surface
 
 # Largest displacement drawn (r0): half a cell radius is seen at a glance.
 DISPLACEMENT = 0.5

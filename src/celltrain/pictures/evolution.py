@@ -11,14 +11,13 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from celltrain.harmonics import Shapes, degree_of, displaced_along, mean_points
 from celltrain.parameters import CaseError, Train
 from celltrain.pictures.camera import Camera
 from celltrain.pictures.render import draw_surfaces
-from celltrain.pictures.surface import Surface, degree_of, surface
+from celltrain.pictures.surface import Surface, surface
 from celltrain.pictures.train import FEWEST_CELLS, INK
 from celltrain.pictures.tube import draw_tube
-
-Shapes = Float[np.ndarray, "cell 3 coefficient"]
 
 # Okabe & Ito, safe for colour-blind readers; as in the spectrum.
 BLUE, VERMILION = "#0072B2", "#D55E00"
@@ -208,13 +207,11 @@ class Stage:
 
     def placed(self, shapes: Shapes) -> Float[np.ndarray, "place 3 coefficient"]:
         """The shapes as they are shown: in the window, and again for every period in it."""
-        unit = np.sqrt(4.0 * np.pi)
-        placed = np.tile(shapes, (self.repeats, 1, 1))
-        height = shapes[:, 2, 0] / unit
-        inside = self.start + np.mod(height - self.start, self.length)
-        shift = self.length * np.repeat(np.arange(self.repeats), len(shapes))
-        placed[:, 2, 0] = unit * (np.tile(inside, self.repeats) + shift)
-        return placed
+        height = mean_points(shapes)[:, 2]
+        back = self.length * np.floor((height - self.start) / self.length)
+        repeats = self.length * np.arange(self.repeats)
+        moves = (repeats[:, None] - back).ravel()
+        return displaced_along(np.tile(shapes, (self.repeats, 1, 1)), moves)
 
     def _extent(self) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
         angle = np.linspace(0.0, 2 * np.pi, 60)
@@ -235,7 +232,7 @@ def make_stage(train: Train, shapes: Float[np.ndarray, "time cell 3 coefficient"
     cells = shapes.shape[1]
     repeats = -(-FEWEST_CELLS // cells)
     length = cells * repeats * train.period
-    start = float(shapes[0, 0, 2, 0]) / np.sqrt(4.0 * np.pi) - 0.5 * train.period
+    start = float(mean_points(shapes[0, 0])[2]) - 0.5 * train.period
     latitudes = int(np.clip(1300 / length, 32, 64))
     return Stage(
         train=train,

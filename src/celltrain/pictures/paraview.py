@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from celltrain.diagnostics import surface_fields
-from celltrain.harmonics import real_harmonics
+from celltrain.harmonics import mean_points, real_harmonics
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.train import train_membrane
@@ -85,7 +85,7 @@ def export_paraview(
         ElementTree.SubElement(
             entries, "DataSet", timestep=repr(float(time)), group="", part="0", file=name
         )
-    height = shapes[:, :, 2, 0] / np.sqrt(4.0 * np.pi)
+    height = mean_points(shapes)[:, :, 2]
     ends = height.min() - 0.5 * train.period, height.max() + 0.5 * train.period
     write_poly_data(_tube(train.radius, *ends), folder / "tube.vtp")
     path = folder / "frames.pvd"
@@ -165,7 +165,7 @@ def _cells(
     count = rings * 2 * rings + 2
     cells = np.arange(len(shapes))
     velocity = _with_poles(fields.velocity, rates, poles)
-    mean = rates[:, None, :, 0] / np.sqrt(4.0 * np.pi)
+    mean = mean_points(rates)[:, None]
     return PolyData(
         points=_with_poles(fields.position, shapes, poles).reshape(-1, 3),
         polygons=(polygons + count * cells[:, None]).ravel(),

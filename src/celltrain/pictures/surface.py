@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import isqrt
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -68,8 +67,3 @@ def surface(degree: int, latitudes: int = 56, longitudes: int = 72) -> Surface:
     )
     values = real_harmonics(degree, np.repeat(theta, longitudes), np.tile(phi, latitudes + 1))
     return Surface(np.asarray(values), faces, latitudes, longitudes)
-
-
-def degree_of(coefficients: Float[np.ndarray, "*any coefficient"]) -> int:
-    """The harmonic degree M of an array with M**2 coefficients in its last dimension."""
-    return isqrt(coefficients.shape[-1])

@@ -9,11 +9,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 from scipy.spatial import ConvexHull
 
+from celltrain.harmonics import degree_of
 from celltrain.parameters import Train
 from celltrain.pictures.camera import Camera
 from celltrain.pictures.disturbance import Drawn, draw_amplitude
 from celltrain.pictures.render import draw_surfaces
-from celltrain.pictures.surface import degree_of, surface
+from celltrain.pictures.surface import surface
 from celltrain.pictures.tube import draw_tube
 from celltrain.stability import Stability
 from celltrain.steady import Base

@@ -7,7 +7,7 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from celltrain.harmonics import real_harmonics
+from celltrain.harmonics import degree_of, real_harmonics
 from celltrain.pictures.spectrum import COLORS, OTHERS
 from celltrain.stability import TransientGrowth
 
@@ -89,7 +89,7 @@ def _outline(
     theta = np.linspace(0.0, 2.0 * np.pi, 721)
     polar = np.where(theta <= np.pi, theta, 2.0 * np.pi - theta)
     longitude = np.where(theta <= np.pi, 0.0, np.pi)
-    values = real_harmonics(int(np.sqrt(shape.shape[-1])), polar, longitude).T
+    values = real_harmonics(degree_of(shape), polar, longitude).T
     rest, moved = shape @ values, disturbance @ values
     largest = float(np.linalg.norm(moved, axis=0).max())
     # A swirl does not show in this plane.

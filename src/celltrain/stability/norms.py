@@ -11,10 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import azimuthal_weight, degrees_and_orders, member_count, profile_of
+from celltrain.harmonics import (
+    Shape,
+    azimuthal_weight,
+    degree_of,
+    degrees_and_orders,
+    member_count,
+    profile_of,
+)
 from celltrain.meridian.grids import meridian_grid
 
-Shape = Float[np.ndarray, "3 coefficient"]
 Grams = dict[int, Float[np.ndarray, "size size"]]
 
 
@@ -39,7 +45,7 @@ class OrthonormalNorm(Norm):
 
     def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
         """Unit matrices."""
-        degree = int(np.sqrt(shape.shape[-1]))
+        degree = degree_of(shape)
         return {m: np.eye(member_count(degree, m)) for m in azimuthal_numbers}
 
 
@@ -64,7 +70,7 @@ class PaperNorm(Norm):
 
     def grams(self, shape: Shape, azimuthal_numbers: Sequence[int]) -> Grams:
         """Diagonal matrices."""
-        degree = int(np.sqrt(shape.shape[-1]))
+        degree = degree_of(shape)
         grams = {}
         for m in azimuthal_numbers:
             weights = np.full(member_count(degree, m), 1.0 / np.pi)

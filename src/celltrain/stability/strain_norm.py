@@ -22,11 +22,11 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Float
 
-from celltrain.harmonics import azimuthal_basis, profile_of
+from celltrain.harmonics import Shape, azimuthal_basis, degree_of, profile_of
 from celltrain.laws import ElasticBending
 from celltrain.membrane import AxisymmetricMembrane, axisymmetric_membrane, cell_material
 from celltrain.parameters import CaseError, Train
-from celltrain.stability.norms import Grams, Norm, Shape, SurfaceNorm
+from celltrain.stability.norms import Grams, Norm, SurfaceNorm
 
 
 def second_variation(
@@ -47,7 +47,7 @@ def rigid_motions(shape: Shape, m: int) -> Float[np.ndarray, "size count"]:
     In `azimuthal_basis(degree, m)`, of unit coefficient norm, not orthogonal; for m = 0 those along
     and about the axis, for m = 1 those across it and the tilt.
     """
-    basis = azimuthal_basis(int(np.sqrt(shape.shape[-1])), m)
+    basis = azimuthal_basis(degree_of(shape), m)
     moved = np.zeros((2, *shape.shape))
     if m == 0:
         moved[0, 2, 0] = 1.0

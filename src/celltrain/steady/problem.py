@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics import Profile, profile_of
+from celltrain.harmonics import UNIT_DISPLACEMENT, Profile, profile_of
 from celltrain.membrane import meridian_membrane
 from celltrain.meridian.geometry import largest_radius, streamwise_gap
 from celltrain.meridian.rules import Rules, choose_rules
@@ -53,8 +53,7 @@ class SteadyState:
     @property
     def cell_velocity(self) -> float:
         """Velocity of the cell's mean point, in U."""
-        # A coefficient c of P_00 = 1/sqrt(4 pi) is a displacement by c/sqrt(4 pi).
-        return float(self.flow.rates[0]) / math.sqrt(4.0 * math.pi)
+        return float(self.flow.rates[0]) / UNIT_DISPLACEMENT
 
     @cached_property
     def residual(self) -> float:

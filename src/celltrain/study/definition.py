@@ -11,6 +11,7 @@ A study file is TOML; a study over a grid of 7 x 11 cases is
 
     [compute]                    # may be left out
     estimate_error = false
+    analyses = ["mechanisms"]   # numbers of further analyses become columns
 """
 
 import itertools
@@ -25,6 +26,7 @@ from pydantic import Field
 from celltrain.parameters import CaseError, Train, merge_case, read_case
 from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten
 from celltrain.parameters.section import Real, Section, Whole
+from celltrain.study.columns import further
 
 #: What a study file may hold.
 PARTS = ("title", "units", "case", "axes", "compute")
@@ -58,6 +60,11 @@ class Computed(Section):
 
     estimate_error: bool = Field(
         default=True, description="whether each growth rate comes with an estimate of its error"
+    )
+    analyses: tuple[str, ...] = Field(
+        default=(),
+        description="further analyses of each case, such as mechanisms or transient, whose numbers"
+        " become columns",
     )
     start: Literal["rest", "neighbour"] = Field(
         default="rest",
@@ -157,10 +164,12 @@ def make_study(content: Mapping[str, Any]) -> Study:
     count = int(np.prod([len(axis.values) for axis in axes], dtype=float))
     if count > MOST_CASES:
         raise CaseError(f"a study of {count} cases is not allowed; allowed: at most {MOST_CASES}")
+    computed = Computed(**parts["compute"])
+    further(computed.analyses)  # refused before anything is computed
     return Study(
         title=str(content.get("title", "study")),
         axes=axes,
-        computed=Computed(**parts["compute"]),
+        computed=computed,
         cases=tuple(_cases(case, axes)),
     )
 

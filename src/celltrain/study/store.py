@@ -15,7 +15,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from celltrain.parameters import Train
-from celltrain.results import load, remove_leftovers, replace_file, save
+from celltrain.results import read, remove_leftovers, replace_file, save
 from celltrain.results.version import version
 from celltrain.steady import Base
 from celltrain.study.computation import Outcome
@@ -24,7 +24,7 @@ from celltrain.study.computation import Outcome
 class Record(BaseModel):
     """What is known of a case that was computed, or that failed.
 
-    `values` are by their names among `STUDY_QUANTITIES`, None where there is no number; `reason`
+    `values` are by the names of their columns, None where there is no number; `reason`
     says why a case failed.
     """
 
@@ -68,10 +68,7 @@ class Store:
 
         **Raises:** `OSError` or `ValueError` if it cannot be read.
         """
-        result = load(self._path(train, "nc"))
-        if not isinstance(result, Base):
-            raise ValueError("the file of a case holds more than its steady train")
-        return result
+        return read(self._path(train, "nc"), Base)
 
     def finish(self, train: Train, outcome: Outcome) -> Record:
         """Keep what came of a case.

@@ -7,8 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.harmonics import Shapes
+from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.parameters import Train
-from celltrain.train.operator import Shapes, TrainOperator, train_operator
+from celltrain.train.operator import TrainOperator, train_operator
 
 # Finer in every respect but the degree of the shapes.
 FINER = 1.25
@@ -37,14 +39,14 @@ def refined(train: Train) -> Train:
 
 @eqx.filter_jit
 def _velocity(
-    operator: TrainOperator, values: Float[Array, "point coefficient"], shapes: Shapes
+    operator: TrainOperator, values: Float[Array, "point coefficient"], shapes: JaxShapes
 ) -> Float[Array, "cell point 3"]:
     return jnp.einsum("pk,cik->cpi", values, operator.rates(shapes))
 
 
 def rates_error(
     train: Train,
-    shapes: Float[np.ndarray, "cell 3 coefficient"],
+    shapes: Shapes,
     *,
     close: bool = True,
     gap: float | None = None,

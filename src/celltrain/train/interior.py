@@ -26,9 +26,10 @@ import jax.scipy.linalg
 from jaxtyping import Array, Float
 
 from celltrain.flow.sources import UNFOLD
+from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.train.gmres import Convergence, gmres
 
-Motions = Float[Array, "cell 3 coefficient"]
+Motions = JaxShapes
 # From motions without a rigid part to the flow that they give through everything but the near
 # kernel of their own cell.
 Outer = Callable[[Motions], Motions]
@@ -45,7 +46,7 @@ class InteriorFlow(eqx.Module):
     near: Float[Array, "cell size size"]
     free: Float[Array, "cell size size"]
     rigid: Float[Array, "cell 6 3 coefficient"]
-    normal: Float[Array, "cell 3 coefficient"]
+    normal: JaxShapes
 
     def without_inflation(self, motions: Array) -> Array:
         """Motions less their part that changes the volumes."""
@@ -109,7 +110,7 @@ def _by_cell(matrices: Array, motions: Array) -> Array:
 
 
 def rigid_motions(
-    shapes: Float[Array, "cell 3 coefficient"],
+    shapes: JaxShapes,
 ) -> Float[Array, "cell 6 3 coefficient"]:
     """Orthonormal translations and rotations of each cell."""
     x, y, z = (shapes[:, i].at[:, 0].set(0.0) for i in range(3))
@@ -131,8 +132,8 @@ def rigid_motions(
 def interior_flow(
     kernels: tuple[Array, Array],
     projection: Float[Array, "coefficient point"],
-    shapes: Float[Array, "cell 3 coefficient"],
-    volume_gradients: Float[Array, "cell 3 coefficient"],
+    shapes: JaxShapes,
+    volume_gradients: JaxShapes,
 ) -> InteriorFlow:
     """K from the matrices of `OwnSurfaceRule.double_layer`, projected from the target grid."""
     cells, count = shapes.shape[0], shapes.shape[-1]

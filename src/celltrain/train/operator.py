@@ -19,15 +19,15 @@ from celltrain.flow import OwnSurfaceRule, PeriodicTube, Sources, own_surface_ru
 from celltrain.flow.close import close_rule
 from celltrain.flow.neighbours import CloseEvaluation
 from celltrain.flow.sources import Surface
+from celltrain.harmonics import Shape, Shapes, displaced_along
 from celltrain.harmonics.grid import SphereGrid, sphere_grid
+from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.membrane import cell_material, resting_shape
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import Train
 from celltrain.train.gmres import Convergence
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
 from celltrain.train.source_grid import SourceGrid, source_grid
-
-Shapes = Float[Array, "cell 3 coefficient"]
 
 # Largest axial distance of a membrane from its cell's centre for which images are counted.
 HALF_LENGTH = 2.5
@@ -58,7 +58,7 @@ class TrainOperator(eqx.Module):
     viscosity_ratio: Float[Array, ""] | None
     solver_tolerance: float = eqx.field(static=True)
 
-    def rates(self, shapes: Shapes, added: Shapes | None = None) -> Shapes:
+    def rates(self, shapes: JaxShapes, added: JaxShapes | None = None) -> JaxShapes:
         """v(s) = ds/dt, in U; not a number if the flow inside the cells could not be solved for.
 
         **Arguments:** `added`: forces per solid angle beside those of the membranes, in mu U r0.
@@ -66,8 +66,8 @@ class TrainOperator(eqx.Module):
         return self.solved_rates(shapes, added)[0]
 
     def solved_rates(
-        self, shapes: Shapes, added: Shapes | None = None
-    ) -> tuple[Shapes, Convergence | None]:
+        self, shapes: JaxShapes, added: JaxShapes | None = None
+    ) -> tuple[JaxShapes, Convergence | None]:
         """The rates, and how the equation for the flow inside the cells was solved, if there is."""
         free_rates = self.free_rates(shapes, added)
         if self.viscosity_ratio is None:
@@ -82,26 +82,26 @@ class TrainOperator(eqx.Module):
         solved = convergence.residual <= 10.0 * self.solver_tolerance
         return jnp.where(solved, rates, jnp.nan), convergence
 
-    def free_rates(self, shapes: Shapes, added: Shapes | None = None) -> Shapes:
+    def free_rates(self, shapes: JaxShapes, added: JaxShapes | None = None) -> JaxShapes:
         """The rates that the same membranes would have at a viscosity ratio of 1."""
         forces = self.forces(shapes)
         velocity = self.surface_velocity(shapes, forces if added is None else forces + added)
         return self.conserve_volume(shapes, self.project(velocity))
 
-    def interior_flow(self, shapes: Shapes) -> InteriorFlow:
+    def interior_flow(self, shapes: JaxShapes) -> InteriorFlow:
         """The part of the flow that the cells' motion drives, if their viscosity differs."""
         longitudes = self.target_grid.phi
         kernels = self.own_rule.double_layer(self.targets(shapes), longitudes, shapes)
         gradients = jax.vmap(self.membrane.volume_gradient)(shapes)
         return interior_flow(kernels, self.target_grid.projection, shapes, gradients)
 
-    def outer_motion(self, shapes: Shapes) -> Outer:
+    def outer_motion(self, shapes: JaxShapes) -> Outer:
         """What cells' motions give through other cells, images and the wall, as rates."""
         targets, owners = self.targets(shapes), jnp.arange(shapes.shape[0])
         points = self.source_points(shapes)
         neighbours = self.tube.neighbours(targets, owners, points, shapes=shapes)
 
-        def outer(motions: Shapes) -> Array:
+        def outer(motions: JaxShapes) -> Array:
             sources = self.motion_sources(shapes, motions)
             velocity = self.tube.velocity(
                 targets, owners, sources, neighbours=neighbours, mean_flow=False
@@ -111,32 +111,32 @@ class TrainOperator(eqx.Module):
         return outer
 
     def surface_velocity(
-        self, shapes: Shapes, forces: Shapes
+        self, shapes: JaxShapes, forces: JaxShapes
     ) -> Float[Array, "cell ring azimuth 3"]:
         """Velocity at the points of the target grid, in U."""
         targets = self.targets(shapes)
         own = self.own_velocity(targets, shapes, forces)
         return own + self.outer_velocity(targets, shapes, forces)
 
-    def forces(self, shapes: Shapes) -> Shapes:
+    def forces(self, shapes: JaxShapes) -> JaxShapes:
         """Force of the membranes on the fluid per solid angle, in mu U r0."""
         return jax.vmap(self.membrane.force)(shapes)
 
-    def targets(self, shapes: Shapes) -> Float[Array, "cell ring azimuth 3"]:
+    def targets(self, shapes: JaxShapes) -> Float[Array, "cell ring azimuth 3"]:
         """Points of the target grid on each cell."""
         grid = self.target_grid
         values = grid.values.reshape(grid.rings, grid.azimuths, -1)
         return jnp.einsum("rak,cik->crai", values, shapes)
 
-    def source_points(self, shapes: Shapes) -> Float[Array, "cell ring azimuth 3"]:
+    def source_points(self, shapes: JaxShapes) -> Float[Array, "cell ring azimuth 3"]:
         """Points of the source grid on each cell."""
         return self.source_grid.points(shapes)
 
-    def sources(self, shapes: Shapes, forces: Shapes) -> Sources:
+    def sources(self, shapes: JaxShapes, forces: JaxShapes) -> Sources:
         """The source grids with the point forces there."""
         return self._sampled(Surface(shapes, forces=forces))
 
-    def motion_sources(self, shapes: Shapes, motions: Shapes) -> Sources:
+    def motion_sources(self, shapes: JaxShapes, motions: JaxShapes) -> Sources:
         """The source grids with the stresslets there of a double layer w = u."""
         return self._sampled(Surface(shapes, densities=motions))
 
@@ -145,13 +145,13 @@ class TrainOperator(eqx.Module):
         return self.source_grid.samples(surface, coarse)
 
     def own_velocity(
-        self, targets: Float[Array, "cell ring azimuth 3"], shapes: Shapes, forces: Shapes
+        self, targets: Float[Array, "cell ring azimuth 3"], shapes: JaxShapes, forces: JaxShapes
     ) -> Float[Array, "cell ring azimuth 3"]:
         """Velocity on each cell by the near kernel of its own force."""
         return self.own_rule.velocity(targets, self.target_grid.phi, shapes, forces)
 
     def outer_velocity(
-        self, targets: Float[Array, "cell ring azimuth 3"], shapes: Shapes, forces: Shapes
+        self, targets: Float[Array, "cell ring azimuth 3"], shapes: JaxShapes, forces: JaxShapes
     ) -> Array:
         """All other parts of the velocity on the cells: other cells, images, wall, flow rate."""
         owners = jnp.arange(shapes.shape[0])
@@ -160,8 +160,8 @@ class TrainOperator(eqx.Module):
     def velocity_at(
         self,
         points: Float[Array, "point 3"],
-        shapes: Shapes,
-        motions: Shapes | None = None,
+        shapes: JaxShapes,
+        motions: JaxShapes | None = None,
     ) -> Float[Array, "point 3"]:
         """Velocity, in U, at points in the fluid or inside cells, up to the membranes.
 
@@ -174,13 +174,13 @@ class TrainOperator(eqx.Module):
         if motions is None or self.viscosity_ratio is None:
             return velocity
 
-        def double_layer(motions: Shapes) -> Array:
+        def double_layer(motions: JaxShapes) -> Array:
             sources = self.motion_sources(shapes, motions)
             return self.tube.velocity(targets, off_cells, sources, mean_flow=False)[0, :, 0]
 
         velocity = velocity + (1.0 - self.viscosity_ratio) * double_layer(motions)
         # The double layer of a constant is its negative inside, and nothing outside.
-        upward = jnp.zeros_like(shapes).at[:, 2, 0].set(math.sqrt(4.0 * math.pi))
+        upward = displaced_along(jnp.zeros_like(shapes), 1.0)
         inside = double_layer(upward)[:, 2:] < -0.5
         return jnp.where(inside, velocity / self.viscosity_ratio, velocity)
 
@@ -191,14 +191,14 @@ class TrainOperator(eqx.Module):
             "kp,cpi->cik", self.target_grid.projection, velocity.reshape(cells, -1, 3)
         )
 
-    def conserve_volume(self, shapes: Shapes, rates: Array) -> Array:
+    def conserve_volume(self, shapes: JaxShapes, rates: Array) -> Array:
         """Rates without their component along the gradient of each cell's volume."""
         gradient = jax.vmap(self.membrane.volume_gradient)(shapes)
         along = jnp.sum(gradient * rates, axis=(1, 2)) / jnp.sum(gradient**2, axis=(1, 2))
         return rates - along[:, None, None] * gradient
 
     def effective_viscosity(
-        self, shapes: Shapes, forces: Shapes, motions: Shapes | None = None
+        self, shapes: JaxShapes, forces: JaxShapes, motions: JaxShapes | None = None
     ) -> Float[Array, ""]:
         """Pressure drop relative to that of plasma alone at the same flow rate.
 
@@ -219,19 +219,15 @@ def train_membrane(train: Train) -> Membrane:
     return make_membrane(*cell_material(cell), shape, energy_order=sizes.energy_order)
 
 
-def resting_shapes(train: Train, cells: int) -> Float[np.ndarray, "cell 3 coefficient"]:
+def resting_shapes(train: Train, cells: int) -> Shapes:
     """Resting cells on the axis, one period apart, the first at z = 0."""
     return place_cells(resting_shape(train.cell, train.degree), train, cells)
 
 
-def place_cells(
-    shape: Float[np.ndarray, "3 coefficient"], train: Train, cells: int
-) -> Float[np.ndarray, "cell 3 coefficient"]:
+def place_cells(shape: Shape, train: Train, cells: int) -> Shapes:
     """Copies of one cell, one period apart along the tube."""
     shapes = np.repeat(np.asarray(shape)[None], cells, axis=0)
-    # Y_00 = 1/sqrt(4 pi): a displacement by d adds d sqrt(4 pi) to the first coefficient.
-    shapes[:, 2, 0] += np.sqrt(4.0 * np.pi) * train.period * np.arange(cells)
-    return shapes
+    return displaced_along(shapes, train.period * np.arange(cells))
 
 
 def close_distance(train: Train) -> float:

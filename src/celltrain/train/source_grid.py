@@ -8,6 +8,7 @@ from jaxtyping import Array, Float
 from celltrain.flow import Sources
 from celltrain.flow.sources import SYMMETRIC, Surface
 from celltrain.harmonics.grid import SphereGrid, sphere_grid
+from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.tables import harmonic_tables
 
 
@@ -20,9 +21,7 @@ class SourceGrid(eqx.Module):
     grid: SphereGrid
     tangents: Float[Array, "2 point coefficient"]
 
-    def points(
-        self, shapes: Float[Array, "cell 3 coefficient"]
-    ) -> Float[Array, "cell ring azimuth 3"]:
+    def points(self, shapes: JaxShapes) -> Float[Array, "cell ring azimuth 3"]:
         """Points of the grid on each cell."""
         points = jnp.einsum("pk,cik->cpi", self.grid.values, shapes)
         return points.reshape(shapes.shape[0], self.grid.rings, self.grid.azimuths, 3)

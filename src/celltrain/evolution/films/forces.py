@@ -20,11 +20,10 @@ from jaxtyping import Float
 
 from celltrain.evolution.film_points import FINE, FilmGrid, film_grid
 from celltrain.evolution.films.repulsion import Repulsion
+from celltrain.harmonics import Shapes
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import resting_shape
 from celltrain.parameters import Train
-
-Shapes = Float[np.ndarray, "cell 3 coefficient"]
 
 
 @dataclass(frozen=True)

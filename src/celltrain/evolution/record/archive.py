@@ -21,7 +21,7 @@ from celltrain.evolution.record.quantities import (
     memory_quantities,
 )
 from celltrain.evolution.record.run import FRAME_PREFIX, Run
-from celltrain.results import dataset, replace_file
+from celltrain.results import replace_file, to_dataset
 
 
 class Archive:
@@ -47,7 +47,7 @@ class Archive:
     def _start(self, run: Run) -> xr.Dataset:
         """The part of the file that stays the same."""
         if self._of_start is None or self._of_start[0] is not run.start:
-            self._of_start = (run.start, dataset(run.start))
+            self._of_start = (run.start, to_dataset(run.start))
         return self._of_start[1]
 
 

@@ -15,7 +15,8 @@ from celltrain.evolution.methods import METHODS, Integrator, Memory, Work
 from celltrain.evolution.record.quantities import RUN_QUANTITIES, STEP_QUANTITIES
 from celltrain.evolution.state import Measures, State
 from celltrain.parameters import Train
-from celltrain.results import load, reading
+from celltrain.results import from_dataset, read_dataset
+from celltrain.results.netcdf import reading
 from celltrain.stability import Stability
 from celltrain.steady import Base
 from celltrain.train import place_cells
@@ -68,13 +69,12 @@ class Run:
         **Raises:** `OSError` if it cannot be read or lacks what this version needs, `ValueError` if
         it holds no simulation.
         """
-        path = Path(path)
-        start = load(path)
-        with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
-            data.load()
+        data = read_dataset(Path(path))
+        analysed = data.attrs["kind"] == Stability.kind
+        start = from_dataset(Stability, data) if analysed else from_dataset(Base, data)
         if "ending" not in data.attrs:
             raise ValueError(f"{str(path)!r} is a result of celltrain, but holds no simulation")
-        with reading(path, data):
+        with reading(data):
             return _run(start, data)
 
     @property
