@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.evolution.film_points import FINE, FilmGrid, film_grid
-from celltrain.evolution.repulsion import Repulsion
+from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.harmonics import Shapes
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import resting_shape
