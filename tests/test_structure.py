@@ -18,6 +18,7 @@ ROOMS = (
     "harmonics",
     "membrane",
     "meridian",
+    "proximity",
     "steady",
     "stability",
     "continuation",
@@ -33,12 +34,22 @@ ROOMS = (
     "cli",
 )
 #: What the main job passes through; none of it imports JAX.
-WITHOUT_JAX = ("parameters", "harmonics", "membrane", "meridian", "steady", "stability", "study")
+WITHOUT_JAX = (
+    "parameters",
+    "harmonics",
+    "membrane",
+    "meridian",
+    "proximity",
+    "steady",
+    "stability",
+    "study",
+)
 #: Modules for cells of any shape that stand beside those of their subject.
 WITH_JAX = {
     f"harmonics/{name}.py"
     for name in ("grid", "jax_shapes", "longitude", "polar", "rotation", "tables")
 } | {"membrane/energy.py", "membrane/geometry.py"}
+WITH_JAX |= {f"proximity/{name}.py" for name in ("nearest", "close_pairs")}
 
 
 def files() -> list[Path]:

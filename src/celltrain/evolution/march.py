@@ -15,10 +15,10 @@ from celltrain.evolution.ending import Ending
 from celltrain.evolution.integrator import StepFailed
 from celltrain.evolution.interpolation import interpolated
 from celltrain.evolution.linear import LinearPrediction
-from celltrain.evolution.overlap import overlap
 from celltrain.evolution.run import Run
 from celltrain.evolution.state import Record, State
 from celltrain.evolution.wall_resolution import followed
+from celltrain.proximity.overlaps import overlaps
 
 # Overlaps are looked for after at least this time (r0/U): cells pass each other at about U.
 OVERLAP_INTERVAL = 0.1
@@ -186,7 +186,9 @@ class March:
         if not retries and state.time - self._checked < OVERLAP_INTERVAL:
             return None
         self._checked = state.time
-        return overlap(self._run.train, state.shapes)
+        train = self._run.train
+        met = overlaps(state.shapes, period=train.length, radius=train.radius)
+        return str(met[0]) if met else None
 
     def _commit(self, state: State, record: Record | None, frames: list[dict[str, object]]) -> None:
         _, steps, count = self._committed
