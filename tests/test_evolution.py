@@ -33,10 +33,10 @@ from celltrain.evolution.methods.chebyshev import (
     stage_count,
 )
 from celltrain.evolution.methods.radius import spectral_radius
-from celltrain.evolution.overlap import overlap
 from celltrain.evolution.record.interpolation import interpolated
 from celltrain.evolution.start import at_degree
 from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
+from celltrain.proximity.overlaps import overlaps
 from celltrain.stability import PaperNorm
 from celltrain.train import place_cells
 
@@ -397,14 +397,19 @@ def test_large_and_small_steps_agree(single: Base) -> None:
 def test_overlaps_are_named(coarse_base: Base) -> None:
     train = coarse_base.train
     shapes = place_cells(coarse_base.coefficients, train, 3)
-    assert overlap(train, shapes) is None
+
+    def met(shapes: np.ndarray) -> list[str]:
+        found = overlaps(shapes, period=train.length, radius=train.radius)
+        return [str(each) for each in found]
+
+    assert met(shapes) == []
     ahead = shapes.copy()
     ahead[1, 2, 0] += (train.period - 0.5) * UNIT_DISPLACEMENT
-    assert "cell 1 and cell 2 overlap" in (overlap(train, ahead) or "")
+    assert "cell 1 and cell 2 overlap" in met(ahead)[0]
     last = shapes.copy()
     last[2, 2, 0] += (train.period - 0.5) * UNIT_DISPLACEMENT
-    assert "overlap" in (overlap(train, last) or "")
+    assert "overlap" in met(last)[0]
     aside = shapes.copy()
     aside[2, 0, 0] += 2.0 * UNIT_DISPLACEMENT
-    assert "cell 2" in (overlap(train, aside) or "")
-    assert "wall" in (overlap(train, aside) or "")
+    assert "cell 2" in met(aside)[0]
+    assert "wall" in met(aside)[0]

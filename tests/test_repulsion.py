@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from celltrain import Base, CaseError, Train, save
 from celltrain.cli import main
-from celltrain.diagnostics import cell_distance
 from celltrain.evolution import (
     ForwardEuler,
     FromFile,
@@ -29,6 +28,7 @@ from celltrain.evolution.methods.runge_kutta_chebyshev import GAP_SHARE
 from celltrain.evolution.report import run_summary
 from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
+from celltrain.proximity.distances import cell_distance
 
 DEGREE = 6
 FAR = 40.0

@@ -21,6 +21,7 @@ ROOMS = (
     "harmonics",
     "membrane",
     "meridian",
+    "proximity",
     "steady",
     "stability",
     "continuation",
@@ -44,6 +45,7 @@ WITHOUT_JAX = (
     "harmonics",
     "membrane",
     "meridian",
+    "proximity",
     "steady",
     "stability",
     "study",
@@ -53,6 +55,7 @@ WITH_JAX = {
     f"harmonics/{name}.py"
     for name in ("grid", "jax_shapes", "longitude", "polar", "rotation", "tables")
 } | {"membrane/energy.py", "membrane/geometry.py"}
+WITH_JAX |= {f"proximity/{name}.py" for name in ("nearest", "close_pairs")}
 
 
 def files() -> list[Path]:

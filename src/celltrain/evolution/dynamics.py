@@ -128,7 +128,7 @@ class Dynamics(eqx.Module):
 def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dynamics:
     """The dynamics of the N cells of a train about a steady state."""
     train = base.train
-    operator = train_operator(train, cells=train.cells, gap=wall_gap)
+    operator = train_operator(train, cells=train.cells, wall_gap=wall_gap)
     shapes = place_cells(base.coefficients, train, train.cells)
     return Dynamics(
         operator=operator,

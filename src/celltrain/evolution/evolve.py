@@ -13,13 +13,13 @@ from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import March, Progress
 from celltrain.evolution.methods import Integrator, Manner, RungeKuttaChebyshev, Step, Work
-from celltrain.evolution.overlap import overlap
 from celltrain.evolution.record.archive import Archive
 from celltrain.evolution.record.quantities import STEP_QUANTITIES
 from celltrain.evolution.record.run import Run
 from celltrain.evolution.start import at_degree
 from celltrain.evolution.wall_resolution import LARGEST, followed
 from celltrain.parameters import CaseError, Train
+from celltrain.proximity.overlaps import overlaps
 from celltrain.results import remove_leftovers
 from celltrain.stability import Stability
 from celltrain.steady import Base
@@ -92,9 +92,9 @@ def evolve(
     method = RungeKuttaChebyshev() if integrator is None else integrator
     shapes = place_cells(base.coefficients, train, train.cells) + change
     settled = dynamics.settle(shapes)
-    met = overlap(train, settled.shapes)
-    if met is not None:
-        raise CaseError(f"{disturbance!r} is not allowed: {met}; a smaller amplitude may be")
+    met = overlaps(settled.shapes, period=train.length, radius=train.radius)
+    if met:
+        raise CaseError(f"{disturbance!r} is not allowed: {met[0]}; a smaller amplitude may be")
     wall_gap = followed(LARGEST, dynamics.wall_distance(settled.shapes))
     if wall_gap != dynamics.wall_gap:
         dynamics = train_dynamics(base, film, wall_gap=wall_gap)

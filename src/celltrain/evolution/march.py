@@ -12,13 +12,13 @@ from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.ending import Ending, StepFailed
 from celltrain.evolution.linear import LinearPrediction
 from celltrain.evolution.methods import Memory, Step, Work
-from celltrain.evolution.overlap import overlap
 from celltrain.evolution.record.archive import Archive
 from celltrain.evolution.record.frames import SAME_TIME, due_times, frame_row, shapes_within
 from celltrain.evolution.record.history import Row, columns, rows, step_row
 from celltrain.evolution.record.run import Run
 from celltrain.evolution.state import State
 from celltrain.evolution.wall_resolution import followed
+from celltrain.proximity.overlaps import overlaps
 
 # Overlaps are looked for after at least this time (r0/U): cells pass each other at about U.
 OVERLAP_INTERVAL = 0.1
@@ -168,7 +168,9 @@ class March:
         if not retries and state.time - self._checked < OVERLAP_INTERVAL:
             return None
         self._checked = state.time
-        return overlap(self._run.train, state.shapes)
+        train = self._run.train
+        met = overlaps(state.shapes, period=train.length, radius=train.radius)
+        return str(met[0]) if met else None
 
     def _commit(self, step: Step[Any] | None, wasted: Work, frames: list[Row]) -> None:
         """Enter frames, and a step unless it is None, with the work of its failed attempts."""
