@@ -15,6 +15,7 @@ TYPED = (
     "flow",
     "train",
     "meridian",
+    "proximity",
     "steady",
     "stability",
     "results",

@@ -14,11 +14,11 @@ from numpy.testing import assert_allclose
 
 from celltrain.flow.close import CloseRule, close_rule, graded_nodes
 from celltrain.flow.near import block_sum, stresslet_block_sum
-from celltrain.flow.nearest import nearest_point
 from celltrain.harmonics import UNIT_DISPLACEMENT, degree_of, degrees_and_orders, real_harmonics
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.tables import harmonic_tables
 from celltrain.membrane import reference_coefficients
+from celltrain.proximity.nearest import nearest_point_search
 
 DEGREE = 6
 POINTS = 24
@@ -386,7 +386,7 @@ def test_nearest_points_of_a_deformed_cell() -> None:
     shapes = jnp.broadcast_to(jnp.asarray(shape), (200, *shape.shape))
     guesses = jnp.asarray(where + random.uniform(-0.1, 0.1, (200, 2)))
     near = jax.jit(lambda method, *all_: method(*all_))(
-        nearest_point(8), jnp.asarray(points), shapes, guesses
+        nearest_point_search(8), jnp.asarray(points), shapes, guesses
     )
     assert near.converged.all()
     assert_allclose(near.distance, heights, rtol=0, atol=1e-12)
@@ -399,7 +399,7 @@ def test_nearest_point_may_be_a_pole_and_never_moves_away(biconcave: jax.Array) 
     points = jnp.array([[0.0, 0.0, 0.4], [0.0, 0.0, -0.4], [0.0, 0.0, 0.4]])
     guesses = jnp.array([[0.2, 1.0], [3.0, 2.0], [2.9, 0.0]])
     shapes = jnp.broadcast_to(biconcave, (3, *biconcave.shape))
-    near = nearest_point(DEGREE)(points, shapes, guesses)
+    near = nearest_point_search(DEGREE)(points, shapes, guesses)
     thickness = 0.207 * 0.5 * 1.38581894
     assert_allclose(near.distance[:2], 0.4 - thickness, rtol=1e-12)
     assert_allclose(near.theta[:2], [0.0, np.pi], rtol=0, atol=1e-7)

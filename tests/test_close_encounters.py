@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from celltrain import Train
-from celltrain.flow.overlaps import overlaps
 from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
+from celltrain.proximity.overlaps import overlaps
 from celltrain.train import TrainOperator, rates_error, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2
@@ -53,7 +53,7 @@ def at_points(operator: TrainOperator, points: jax.Array, shapes: jax.Array) -> 
 
 @pytest.fixture(scope="module")
 def operator() -> TrainOperator:
-    return train_operator(TRAIN, cells=CELLS, gap=GAP)
+    return train_operator(TRAIN, cells=CELLS, wall_gap=GAP)
 
 
 def turn(axis: np.ndarray, angle: float) -> np.ndarray:
@@ -117,13 +117,13 @@ def test_estimate_bounds_the_effect_of_each_rule() -> None:
         tolerance=1e-7,
     )
     shapes = configuration(1)
-    estimate = rates_error(train, shapes, gap=GAP)
+    estimate = rates_error(train, shapes, wall_gap=GAP)
     assert estimate < 1e-3
 
     values = np.asarray(sphere_grid(train.degree, 20).values)
 
     def velocity(**changes: int) -> np.ndarray:
-        operator = train_operator(train.changed(**changes), cells=CELLS, gap=GAP)
+        operator = train_operator(train.changed(**changes), cells=CELLS, wall_gap=GAP)
         return np.einsum("pk,cik->cpi", values, rates(operator, jnp.asarray(shapes)))
 
     expected = velocity()

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from celltrain.flow.close_pairs import ClosePairs, close_pairs
-from celltrain.flow.overlaps import overlaps
 from celltrain.harmonics import UNIT_DISPLACEMENT, profile_of
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import reference_coefficients
 from celltrain.meridian.geometry import size_at_rest
+from celltrain.proximity.close_pairs import ClosePairs, close_pairs
+from celltrain.proximity.overlaps import overlaps
 
 CELLS, TARGETS, SOURCES, IMAGES = 3, 70, 40, 2
 DISTANCE, PERIOD = 0.35, 3.0

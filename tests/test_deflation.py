@@ -25,7 +25,8 @@ from celltrain.continuation import (
 from celltrain.continuation.deflation import deflated_step, deflation
 from celltrain.continuation.search import SAME, first_guesses, reversed_profile
 from celltrain.harmonics import UNIT_DISPLACEMENT, coefficients_of
-from celltrain.meridian.geometry import crosses_itself, meridian_points
+from celltrain.meridian.geometry import meridian_points
+from celltrain.proximity.meridian import crosses_itself
 
 # x^3 = x and y^2 = 4: six roots.
 ROOTS = {(x, y) for x in (-1.0, 0.0, 1.0) for y in (-2.0, 2.0)}

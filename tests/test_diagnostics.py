@@ -15,7 +15,6 @@ from celltrain.diagnostics import (
     CellMoments,
     CellMotion,
     best_ellipsoid,
-    cell_distance,
     cell_moments,
     cell_motion,
     deformation_spectrum,
@@ -23,13 +22,13 @@ from celltrain.diagnostics import (
     energy_parts,
     frame,
     isotropic_tension,
-    wall_distance,
 )
 from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis, degrees_and_orders
 from celltrain.laws import ConstitutiveLaw, ElasticBending, NeoHookean, Skalak
 from celltrain.membrane import reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Train
+from celltrain.proximity.distances import cell_distance, wall_distance
 from celltrain.results import QUANTITIES
 from celltrain.stability import PaperNorm
 from celltrain.train import place_cells

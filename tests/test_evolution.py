@@ -25,18 +25,18 @@ from celltrain.evolution import (
     evolve,
     linear_prediction,
 )
-from celltrain.evolution.chebyshev import (
+from celltrain.evolution.dynamics import Dynamics, train_dynamics
+from celltrain.evolution.methods.chebyshev import (
     chebyshev_step,
     embedded_error,
     largest_stable_step,
     stage_count,
 )
-from celltrain.evolution.dynamics import Dynamics, train_dynamics
-from celltrain.evolution.interpolation import interpolated
-from celltrain.evolution.overlap import overlap
-from celltrain.evolution.radius import spectral_radius
+from celltrain.evolution.methods.radius import spectral_radius
+from celltrain.evolution.record.interpolation import interpolated
 from celltrain.evolution.start import at_degree
 from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
+from celltrain.proximity.overlaps import overlaps
 from celltrain.stability import PaperNorm
 from celltrain.train import place_cells
 
@@ -230,7 +230,7 @@ def test_cells_that_leave_the_window_are_put_back(
     assert_allclose(settled.shapes, here, rtol=0, atol=1e-12)
     assert_allclose(dynamics.continuous(settled.shapes, settled.laps), gone, rtol=0, atol=1e-12)
     # The disturbance is that of where the cells have gone: two lengths and one.
-    assert_allclose(settled.eps_x, train.length * np.sqrt(5.0), rtol=2e-2)
+    assert_allclose(settled.measures.eps_x, train.length * np.sqrt(5.0), rtol=2e-2)
     # All moved by a third of the window: the last cell changes ends, the flow is the same.
     moved = here.copy()
     moved[:, 2, 0] += UNIT_DISPLACEMENT * train.period
@@ -247,18 +247,18 @@ def test_volumes_and_what_is_measured(dynamics: Dynamics, coarse_stability: Stab
     volumes = jax.vmap(dynamics.operator.membrane.volume)(jnp.asarray(settled.shapes))
     assert_allclose(volumes, float(dynamics.volume), rtol=1e-8)
     # A swelling by 1 % is taken back along the normal: by about 0.01 times the cell's size.
-    assert 0.005 < settled.volume_correction < 0.03
+    assert 0.005 < settled.measures.volume_correction < 0.03
     steady = dynamics.settle(np.asarray(dynamics.base))
-    assert steady.volume_correction < 1e-10
-    assert steady.eps < 1e-9
-    assert settled.energy > steady.energy > 0.0
+    assert steady.measures.volume_correction < 1e-10
+    assert steady.measures.eps < 1e-9
+    assert settled.measures.energy > steady.measures.energy > 0.0
     sphere = 4 * np.pi * len(shapes)
-    assert steady.area > sphere
+    assert steady.measures.area > sphere
     moved = np.asarray(dynamics.base).copy()
     moved[1, 0, 0] += 0.3 * UNIT_DISPLACEMENT
     shifted = dynamics.settle(moved)
-    assert_allclose(shifted.eps_x, 0.3, rtol=1e-9)
-    assert_allclose(shifted.eps, 0.3 * np.sqrt(2.0), rtol=1e-9)
+    assert_allclose(shifted.measures.eps_x, 0.3, rtol=1e-9)
+    assert_allclose(shifted.measures.eps, 0.3 * np.sqrt(2.0), rtol=1e-9)
 
 
 def test_the_amplitude_is_the_norm_of_the_paper(coarse_stability: Stability) -> None:
@@ -388,8 +388,8 @@ def test_large_and_small_steps_agree(single: Base) -> None:
     ]
     adaptive, euler = (run.disturbances[-1] for run in runs)
     assert np.linalg.norm(adaptive - euler) < 2e-3 * np.linalg.norm(euler)
-    assert runs[1].state.evaluations == 81
-    assert runs[0].state.evaluations < 60
+    assert runs[1].work.evaluations == 81
+    assert runs[0].work.evaluations < 60
     assert runs[0].history["volume_correction"][1:].max() < 1e-5
     assert runs[1].history["volume_correction"][1:].max() < 1e-5
 
@@ -397,14 +397,19 @@ def test_large_and_small_steps_agree(single: Base) -> None:
 def test_overlaps_are_named(coarse_base: Base) -> None:
     train = coarse_base.train
     shapes = place_cells(coarse_base.coefficients, train, 3)
-    assert overlap(train, shapes) is None
+
+    def met(shapes: np.ndarray) -> list[str]:
+        found = overlaps(shapes, period=train.length, radius=train.radius)
+        return [str(each) for each in found]
+
+    assert met(shapes) == []
     ahead = shapes.copy()
     ahead[1, 2, 0] += (train.period - 0.5) * UNIT_DISPLACEMENT
-    assert "cell 1 and cell 2 overlap" in (overlap(train, ahead) or "")
+    assert "cell 1 and cell 2 overlap" in met(ahead)[0]
     last = shapes.copy()
     last[2, 2, 0] += (train.period - 0.5) * UNIT_DISPLACEMENT
-    assert "overlap" in (overlap(train, last) or "")
+    assert "overlap" in met(last)[0]
     aside = shapes.copy()
     aside[2, 0, 0] += 2.0 * UNIT_DISPLACEMENT
-    assert "cell 2" in (overlap(train, aside) or "")
-    assert "wall" in (overlap(train, aside) or "")
+    assert "cell 2" in met(aside)[0]
+    assert "wall" in met(aside)[0]

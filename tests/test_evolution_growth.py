@@ -89,7 +89,7 @@ def test_half_the_tolerance_changes_the_size_by_less_than_the_tolerance(calm: Ba
         )
         for tolerance in tolerances
     ]
-    steps = [run.state.steps for run in runs]
+    steps = [run.steps for run in runs]
     assert steps[0] < steps[1] < steps[2]
     eps = [run.frames["eps"] for run in runs]
     for tolerance, one, half in zip(tolerances, eps, eps[1:], strict=False):

@@ -24,7 +24,7 @@ Velocity = Callable[..., jax.Array]
 
 
 def make_tube(periods: int = 1, **changes: object) -> PeriodicTube:
-    settings = {"gap": 1.0, "extent": 2.0, "cutoff": 2.5, "tolerance": 1e-9}
+    settings = {"wall_gap": 1.0, "extent": 2.0, "cutoff": 2.5, "tolerance": 1e-9}
     return periodic_tube(2 * RADIUS, periods * PERIOD, **{**settings, **changes})
 
 

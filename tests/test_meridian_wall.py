@@ -82,7 +82,7 @@ class Flow:
             radius=RADIUS,
             period=PERIOD,
             # Targets on the wall leave only the cells' half of the distance.
-            clearance=0.5 * (RADIUS - float(rho.max())),
+            wall_distance=0.5 * (RADIUS - float(rho.max())),
             tolerance=1e-11,
             rho=np.concatenate([rho, targets[1]]),
             z=heights,

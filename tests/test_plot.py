@@ -12,10 +12,11 @@ from celltrain.cli import main
 from celltrain.cli import plot as plot_command
 from celltrain.diagnostics import frame
 from celltrain.evolution import Ending, ForwardEuler, Repulsion
-from celltrain.evolution.archive import Archive
-from celltrain.evolution.quantities import STEP_QUANTITIES
-from celltrain.evolution.recompute import FrameProgress
-from celltrain.evolution.state import State
+from celltrain.evolution.methods import EulerMemory
+from celltrain.evolution.record.archive import Archive
+from celltrain.evolution.record.quantities import STEP_QUANTITIES
+from celltrain.evolution.record.recompute import FrameProgress
+from celltrain.evolution.state import Measures, State
 from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.pictures import run as run_pictures
 from celltrain.pictures.run import plot_run, spread
@@ -52,12 +53,12 @@ def run(make_base) -> Run:
         state=State(
             shapes=shapes[-1],
             laps=np.zeros(2, dtype=int),
-            rates=still,
-            direction=still,
-            **dict.fromkeys(("steps", "rejected", "evaluations", "radius_age"), 4),
-            **dict.fromkeys(("step", "last_step", "last_error", "radius", "gap", "wall_gap"), 0.5),
+            measures=Measures(*[0.5] * 8),
             time=2.5,
+            rates=still,
+            wall_gap=0.5,
         ),
+        memory=EulerMemory(4),
         ending=Ending("running", "not ended yet"),
     )
 

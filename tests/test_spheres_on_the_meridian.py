@@ -81,7 +81,7 @@ def velocity_by_forces(flow: TrainFlow) -> np.ndarray:
         phase=0.0,
         radius=flow.radius,
         period=flow.period,
-        clearance=0.5 * flow.clearance,
+        wall_distance=0.5 * flow.wall_distance,
         tolerance=flow.rules.tolerance,
         rho=np.concatenate([rho, rho_target]),
         z=np.concatenate([z, z_target]),

@@ -7,7 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Base, NotConverged, Train, steady
-from celltrain.meridian.geometry import largest_radius, meridian_points, streamwise_gap
+from celltrain.meridian.geometry import largest_radius, meridian_points
+from celltrain.proximity.meridian import streamwise_gap
 from celltrain.steady import Iteration
 from celltrain.steady.degree import DEGREES
 from celltrain.steady.path import change_degree

@@ -1,6 +1,7 @@
 """Rooms of the package stand in the order in which data pass them; imports point one way."""
 
 import ast
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,7 @@ ROOMS = (
     "harmonics",
     "membrane",
     "meridian",
+    "proximity",
     "steady",
     "stability",
     "continuation",
@@ -43,6 +45,7 @@ WITHOUT_JAX = (
     "harmonics",
     "membrane",
     "meridian",
+    "proximity",
     "steady",
     "stability",
     "study",
@@ -52,6 +55,7 @@ WITH_JAX = {
     f"harmonics/{name}.py"
     for name in ("grid", "jax_shapes", "longitude", "polar", "rotation", "tables")
 } | {"membrane/energy.py", "membrane/geometry.py"}
+WITH_JAX |= {f"proximity/{name}.py" for name in ("nearest", "close_pairs")}
 
 
 def files() -> list[Path]:
@@ -93,3 +97,21 @@ def test_the_main_job_names_no_jax() -> None:
         if room(path) in WITHOUT_JAX and str(path.relative_to(SOURCE)) not in WITH_JAX:
             names = {each.split(".")[0] for each in imported(path)}
             assert not names & {"jax", "equinox", "jaxlib"}, path
+
+
+def module(path: Path) -> str:
+    parts = ("celltrain", *path.relative_to(SOURCE).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def test_no_modules_import_each_other() -> None:
+    """Nor in a circle, wherever in a file they do it; a package counts for its own file."""
+    known = {module(path): path for path in files()}
+    graph = {}
+    for name, path in known.items():
+        reached = imported(path)
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                reached |= {f"{node.module}.{alias.name}" for alias in node.names}
+        graph[name] = (reached & known.keys()) - {name}
+    TopologicalSorter(graph).prepare()

@@ -14,8 +14,8 @@ import numpy as np
 from page import Page, plain_figure
 
 from celltrain import Train, steady
-from celltrain.flow.overlaps import overlaps
 from celltrain.harmonics import UNIT_DISPLACEMENT
+from celltrain.proximity.overlaps import overlaps
 from celltrain.steady.problem import SteadyProblem
 from celltrain.train import rates_error, resting_shapes, train_operator
 
@@ -75,7 +75,7 @@ def configuration(distance: float) -> np.ndarray:
 
 def velocity(train: Train, shapes: np.ndarray, values: np.ndarray, gap: float) -> np.ndarray:
     """Velocity at fixed points of the membranes."""
-    operator = train_operator(train, cells=2, gap=gap)
+    operator = train_operator(train, cells=2, wall_gap=gap)
     return np.einsum("pk,cik->cpi", values, np.asarray(_rates(operator, jnp.asarray(shapes))))
 
 
@@ -158,9 +158,9 @@ M = {TRAIN.degree}, the degree of simulations.
     for distance in DISTANCES:
         shapes = configuration(distance)
         page.log(f"distance {distance:g}")
-        estimate = rates_error(TRAIN, shapes, gap=WALL_GAP)
+        estimate = rates_error(TRAIN, shapes, wall_gap=WALL_GAP)
         estimates.append(estimate)
-        values = np.asarray(train_operator(TRAIN, cells=2, gap=WALL_GAP).target_grid.values)
+        values = np.asarray(train_operator(TRAIN, cells=2, wall_gap=WALL_GAP).target_grid.values)
         expected = velocity(TRAIN, shapes, values, WALL_GAP)
         size = np.linalg.norm(expected, axis=-1).max()
         changes = []

@@ -17,7 +17,7 @@ from rich.console import Console
 from celltrain import CaseError, Run, Train, evolve, paper_units, resume, stability, steady
 from celltrain.cli.progress import Reporter
 from celltrain.evolution import Disturbance, Leading, RandomDisplacement
-from celltrain.evolution.recompute import pressure_drops
+from celltrain.evolution.record.recompute import pressure_drops
 from celltrain.evolution.report import SimulationReporter, run_summary
 from celltrain.pictures.evolution import draw_snapshots
 from celltrain.pictures.run import relative_velocities, spread

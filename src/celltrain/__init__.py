@@ -22,7 +22,7 @@ from celltrain.parameters import CaseError, Train, load_case, paper_units
 if TYPE_CHECKING:
     from celltrain.contract import draw_all, load, show
     from celltrain.evolution.evolve import evolve, resume
-    from celltrain.evolution.run import Run
+    from celltrain.evolution.record.run import Run
     from celltrain.results import save, summary
     from celltrain.stability import Mode, Stability, stability
     from celltrain.steady import Base, NotConverged, steady

@@ -37,9 +37,9 @@ from celltrain.evolution import (
     resume,
 )
 from celltrain.evolution import evolve as simulate
-from celltrain.evolution.integrator import check_positive
+from celltrain.evolution.checks import check_positive
+from celltrain.evolution.films.repulsion import RANGE, STRENGTH
 from celltrain.evolution.report import SimulationReporter, print_run, run_summary
-from celltrain.evolution.repulsion import RANGE, STRENGTH
 from celltrain.evolution.start import DEGREE
 from celltrain.parameters import CaseError, merge_case, read_case
 from celltrain.stability import Stability, check_linearisable, stability

@@ -14,7 +14,7 @@ from celltrain.cli.outputs import check_folder, check_output
 from celltrain.cli.progress import Reporter
 from celltrain.contract.files import draw_each
 from celltrain.evolution import Run
-from celltrain.evolution.recompute import frame_rates
+from celltrain.evolution.record.recompute import frame_rates
 from celltrain.parameters import CaseError
 from celltrain.pictures.animation import film_writer
 from celltrain.pictures.paraview import export_paraview

@@ -27,8 +27,8 @@ from celltrain.continuation.equations import (
     to_unknowns,
 )
 from celltrain.harmonics import UNIT_DISPLACEMENT, Profile
-from celltrain.meridian.geometry import crosses_itself
 from celltrain.parameters import CaseError
+from celltrain.proximity.meridian import crosses_itself
 from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability import stability
 from celltrain.steady import Base, NotConverged, steady

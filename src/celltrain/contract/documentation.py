@@ -16,8 +16,8 @@ from celltrain.results.columns import parts_of
 INTRODUCTION = """\
 # Diagnostics
 
-What celltrain computes: a command and an analysis each, whose result is saved, loaded, shown, drawn,
-and gone on from in the same way. This page is made from them by
+What celltrain computes: a command and an analysis each, whose result is saved, loaded, shown,
+drawn, and gone on from in the same way. This page is made from them by
 `python -m celltrain.contract.documentation`; a test holds it to what they say.
 
     celltrain NAME case.toml -o result.nc     # compute; --json, --plot FOLDER
@@ -27,8 +27,8 @@ and gone on from in the same way. This page is made from them by
     celltrain.load("result.nc")               # in Python: equal to what was computed
 
 Lengths are in r0, velocities in U, viscosities in mu. "Eq.", "Fig." and "Table" are those of
-*Bryngelson & Freund 2018*, other sources in the [bibliography](bibliography.md). In files a part of a
-result has its name before those of its quantities, as in `base_gap`.
+*Bryngelson & Freund 2018*, other sources in the [bibliography](bibliography.md). In files a part of
+a result has its name before those of its quantities, as in `base_gap`.
 """
 
 

@@ -1,10 +1,11 @@
 """How a computation tells how far it is."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from celltrain.steady import Iteration
 
 
+@runtime_checkable
 class Progress(Protocol):
     """What computations call; the command line's `Reporter` shows it."""
 

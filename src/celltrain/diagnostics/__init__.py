@@ -1,4 +1,4 @@
-"""What is measured of simulated cells: moments, motion, energies, distances, by frame.
+"""What is measured of simulated cells: moments, motion, energies, by frame.
 
 Measures of steady trains and of modes need no JAX; what does is imported when it is asked for.
 """
@@ -23,7 +23,6 @@ from celltrain.diagnostics.streamlines import (
 )
 
 if TYPE_CHECKING:
-    from celltrain.diagnostics.distance import cell_distance, wall_distance
     from celltrain.diagnostics.ellipsoid import Ellipsoid, best_ellipsoid
     from celltrain.diagnostics.energy import energy_parts, perturbation_energy
     from celltrain.diagnostics.fields import SurfaceFields, surface_fields
@@ -45,7 +44,6 @@ __all__ = [
     "Recirculation",
     "SurfaceFields",
     "best_ellipsoid",
-    "cell_distance",
     "cell_moments",
     "cell_motion",
     "deformation_spectrum",
@@ -62,11 +60,9 @@ __all__ = [
     "recirculation",
     "surface_fields",
     "tube_haematocrit",
-    "wall_distance",
 ]
 
 _LATER = {
-    "distance": ("cell_distance", "wall_distance"),
     "ellipsoid": ("Ellipsoid", "best_ellipsoid"),
     "energy": ("energy_parts", "perturbation_energy"),
     "fields": ("SurfaceFields", "surface_fields"),

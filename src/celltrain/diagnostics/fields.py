@@ -5,6 +5,7 @@ import jax
 from jaxtyping import Array, Float
 
 from celltrain.diagnostics.tension import isotropic_tension
+from celltrain.harmonics import surface_points
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.membrane.energy import Membrane
 
@@ -30,7 +31,7 @@ def surface_fields(
     """
     values = membrane.tables.value
     return SurfaceFields(
-        position=jax.vmap(lambda shape: values @ shape.T)(shapes),
-        velocity=jax.vmap(lambda rate: values @ rate.T)(rates),
+        position=surface_points(shapes, values),
+        velocity=surface_points(rates, values),
         tension=jax.vmap(lambda shape: isotropic_tension(membrane, shape))(shapes),
     )

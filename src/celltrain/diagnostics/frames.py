@@ -8,7 +8,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.diagnostics.distance import cell_distance, wall_distance
 from celltrain.diagnostics.ellipsoid import best_ellipsoid
 from celltrain.diagnostics.energy import energy_parts
 from celltrain.diagnostics.moments import cell_moments
@@ -18,6 +17,7 @@ from celltrain.diagnostics.spectrum import deformation_spectrum
 from celltrain.harmonics.jax_shapes import JaxShape, JaxShapes
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError, Train
+from celltrain.proximity.distances import cell_distance, wall_distance
 from celltrain.train import train_membrane
 
 

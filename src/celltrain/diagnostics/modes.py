@@ -99,9 +99,9 @@ def rotations(
     upward = 0.5 * (area * rho) @ axial
     spin = (forward - upward) / (across + along)
     scale = 2.0 * across + along
-    gap = (along - across) / scale
+    spread = (along - across) / scale
     turned = (forward + upward + 0.5 * (rho * height) @ stretch) / scale
-    axes = (gap**3 * turned + COINCIDENT**4 * spin) / (gap**4 + COINCIDENT**4)
+    axes = (spread**3 * turned + COINCIDENT**4 * spin) / (spread**4 + COINCIDENT**4)
     return complex(axes), complex(spin)
 
 

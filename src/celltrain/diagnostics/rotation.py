@@ -93,7 +93,9 @@ def axes_rotation(
     axes = axes * jnp.array([1.0, 1.0, jnp.linalg.det(axes)])
     following, last = jnp.array([1, 2, 0]), jnp.array([2, 0, 1])
     scale = jnp.sum(values)
-    gap = (values[following] - values[last]) / scale
+    spread = (values[following] - values[last]) / scale
     turning = (axes.T @ change @ axes)[last, following] / scale
-    along = (gap**3 * turning + COINCIDENT**4 * (axes.T @ rotation)) / (gap**4 + COINCIDENT**4)
+    along = (spread**3 * turning + COINCIDENT**4 * (axes.T @ rotation)) / (
+        spread**4 + COINCIDENT**4
+    )
     return axes @ along

@@ -8,15 +8,13 @@ from celltrain.evolution.disturbances import (
     RandomDisplacement,
     Transient,
 )
-from celltrain.evolution.ending import Ending
-from celltrain.evolution.euler import ForwardEuler
+from celltrain.evolution.ending import Ending, StepFailed
 from celltrain.evolution.evolve import evolve, resume
-from celltrain.evolution.integrator import Integrator, StepFailed
+from celltrain.evolution.films import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import Status
-from celltrain.evolution.repulsion import Repulsion
-from celltrain.evolution.run import Run
-from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
+from celltrain.evolution.methods import ForwardEuler, Integrator, RungeKuttaChebyshev
+from celltrain.evolution.record.run import Run
 
 __all__ = [
     "Disturbance",

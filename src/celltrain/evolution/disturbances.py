@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from celltrain.diagnostics import disturbance_amplitude
-from celltrain.evolution.integrator import check_positive
-from celltrain.evolution.run import Run
+from celltrain.evolution.checks import check_positive
+from celltrain.evolution.record.run import Run
 from celltrain.harmonics import Shapes, displaced
 from celltrain.parameters import CaseError
 from celltrain.stability import Mode as StabilityMode

@@ -5,21 +5,21 @@ from pathlib import Path
 
 import numpy as np
 
-from celltrain.evolution.archive import Archive, load_run
+from celltrain.evolution.checks import check_positive
 from celltrain.evolution.disturbances import Disturbance
 from celltrain.evolution.dynamics import Dynamics, train_dynamics
-from celltrain.evolution.ending import Ending
-from celltrain.evolution.integrator import Integrator, check_positive
+from celltrain.evolution.ending import Ending, StepFailed
+from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import March, Progress
-from celltrain.evolution.overlap import overlap
-from celltrain.evolution.quantities import STEP_QUANTITIES
-from celltrain.evolution.repulsion import Repulsion
-from celltrain.evolution.run import Run
-from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
+from celltrain.evolution.methods import Integrator, Manner, RungeKuttaChebyshev, Step, Work
+from celltrain.evolution.record.archive import Archive
+from celltrain.evolution.record.quantities import STEP_QUANTITIES
+from celltrain.evolution.record.run import Run
 from celltrain.evolution.start import at_degree
 from celltrain.evolution.wall_resolution import LARGEST, followed
 from celltrain.parameters import CaseError, Train
+from celltrain.proximity.overlaps import overlaps
 from celltrain.results import remove_leftovers
 from celltrain.stability import Stability
 from celltrain.steady import Base
@@ -92,13 +92,16 @@ def evolve(
     method = RungeKuttaChebyshev() if integrator is None else integrator
     shapes = place_cells(base.coefficients, train, train.cells) + change
     settled = dynamics.settle(shapes)
-    met = overlap(train, settled.shapes)
-    if met is not None:
-        raise CaseError(f"{disturbance!r} is not allowed: {met}; a smaller amplitude may be")
+    met = overlaps(settled.shapes, period=train.length, radius=train.radius)
+    if met:
+        raise CaseError(f"{disturbance!r} is not allowed: {met[0]}; a smaller amplitude may be")
     wall_gap = followed(LARGEST, dynamics.wall_distance(settled.shapes))
     if wall_gap != dynamics.wall_gap:
         dynamics = train_dynamics(base, film, wall_gap=wall_gap)
-    state, record = method.begin(dynamics, shapes)
+    state = dynamics.state(0.0, shapes)
+    if not np.isfinite(state.rates).all():
+        raise StepFailed("not_finite", "the first shapes have no finite velocity")
+    memory = method.begin(state)
     first = dynamics.continuous(state.shapes, state.laps) - np.asarray(dynamics.base)
     run = Run(
         start=start,
@@ -113,6 +116,7 @@ def evolve(
         shapes=np.zeros((0, *shapes.shape)),
         frames={},
         state=state,
+        memory=memory,
         ending=Ending("running", "not ended yet"),
     )
     march = March(
@@ -123,7 +127,8 @@ def evolve(
         save_seconds=save_seconds,
         progress=progress,
     )
-    march.begin(record)
+    beginning = Manner(size=0.0, stages=0, error=0.0, radius=float("nan"))
+    march.begin(Step(state, memory, beginning, Work(evaluations=1)))
     return march.go(most_steps)
 
 
@@ -144,7 +149,7 @@ def resume(
     """
     path = Path(path)
     try:
-        run = load_run(path)
+        run = Run.load(path)
     except (OSError, ValueError) as error:
         raise CaseError(f"{str(path)!r} cannot be gone on from: {error}") from None
     if until is not None:
@@ -166,7 +171,7 @@ def resume(
 
 
 def _check_steady(dynamics: Dynamics, repulsion: Repulsion) -> None:
-    """See to it that the repulsion leaves the steady train as it is."""
+    """Check that the repulsion leaves the steady train as it is."""
     gap = dynamics.film_forces(np.asarray(dynamics.base)).gap
     if gap < np.inf:
         raise CaseError(

@@ -10,7 +10,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Table
 
 from celltrain.evolution.march import Status
-from celltrain.evolution.run import Run
+from celltrain.evolution.record.run import Run
 
 
 class SimulationReporter:
@@ -90,9 +90,9 @@ def run_summary(run: Run) -> dict[str, Any]:
         "time": run.state.time,
         "until": run.until,
         "frames": len(run.times),
-        "steps": run.state.steps,
-        "rejected": run.state.rejected,
-        "evaluations": run.state.evaluations,
+        "steps": run.steps,
+        "rejected": run.work.rejected,
+        "evaluations": run.work.evaluations,
         "wall_seconds": last["wall_seconds"],
         "growth_rate": run.growth_rate,
         "eps": [float(history["eps"][0]), float(run.frames["eps"][-1])],
@@ -139,8 +139,8 @@ def print_run(run: Run, console: Console) -> None:
     speed = 3600.0 * run.state.time / wall if wall > 0.0 else math.nan
     correction = float(history["volume_correction"][1:].max(initial=0.0))
     table.add_row("time", f"{run.times[-1]:.6g}", "r0/U")
-    table.add_row("steps (rejected)", f"{run.state.steps} ({run.state.rejected})", "")
-    table.add_row("evaluations of the velocity", f"{run.state.evaluations}", "")
+    table.add_row("steps (rejected)", f"{run.steps} ({run.work.rejected})", "")
+    table.add_row("evaluations of the velocity", f"{run.work.evaluations}", "")
     table.add_row("eps, first and last", _pair(frames["eps"]), "r0")
     table.add_row("eps by the linear dynamics", _pair(frames["eps_linear"]), "r0")
     table.add_row("eps_x, first and last", _pair(frames["eps_x"]), "r0")

@@ -1,4 +1,4 @@
-"""The complete state of an integration, and the record of a step."""
+"""The physical state of a simulation, and what is measured of it."""
 
 from dataclasses import dataclass
 
@@ -7,58 +7,21 @@ from jaxtyping import Float, Int
 
 
 @dataclass(frozen=True)
-class State:
-    """All that an integrator needs to go on, to the last bit.
+class Measures:
+    """What is measured of shapes as soon as they are fit to go on from.
 
     Attributes:
-        time: r0/U.
-        shapes: every cell's mean point in the train's window, frame of the steady train, r0.
-        laps: lengths of the train that each cell is put back by.
-        rates: rates of change of these shapes in the same frame, U.
-        step: size of the next step, r0/U.
-        last_step, last_error: those of the step before (error relative to the tolerance), 0 if
-            there was none.
-        radius: estimated spectral radius, U/r0, 0 if not known.
-        radius_age: steps since it was estimated.
-        direction: last direction of the power iteration.
-        steps, rejected, evaluations: counts since the beginning.
+        eps: size of the disturbance, Eq. (8), r0.
+        eps_x: root of the sum over the cells of the mean square displacement of the membrane over
+            solid angle, r0.
+        energy: elastic energy of all membranes, mu U r0^2.
+        area: area of all membranes, r0^2.
+        volume_correction: largest displacement that the correction of the volumes took, r0.
         gap: thinnest film within the range of the repulsion, r0; infinite if there is none.
-        wall_gap: smallest distance of a cell from the wall for which the wall was resolved, r0.
+        film_energy, film_force: energy of the repulsion, mu U r0^2, and the largest force of films
+            on a cell, mu U r0.
     """
 
-    time: float
-    shapes: Float[np.ndarray, "cell 3 coefficient"]
-    laps: Int[np.ndarray, " cell"]
-    rates: Float[np.ndarray, "cell 3 coefficient"]
-    step: float
-    last_step: float
-    last_error: float
-    radius: float
-    radius_age: int
-    direction: Float[np.ndarray, "cell 3 coefficient"]
-    steps: int
-    rejected: int
-    evaluations: int
-    gap: float
-    wall_gap: float
-
-
-@dataclass(frozen=True)
-class Record:
-    """What is kept of a step: the state at its end, and how it was taken.
-
-    Attributes:
-        time: at the end of the step, r0/U.
-        eps, eps_x, energy, area, volume_correction, gap, film_energy, film_force: as in `Settled`,
-            there.
-        size: of the step, r0/U; 0 for the beginning.
-        stages: evaluations that the step itself took.
-        error: estimated error of the step, the largest displacement of a membrane, r0.
-        radius: spectral radius assumed, U/r0.
-        rejected, evaluations: counts since the beginning.
-    """
-
-    time: float
     eps: float
     eps_x: float
     energy: float
@@ -67,9 +30,34 @@ class Record:
     gap: float
     film_energy: float
     film_force: float
-    size: float
-    stages: int
-    error: float
-    radius: float
-    rejected: int
-    evaluations: int
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Shapes made fit to go on from, and what is measured of them.
+
+    Attributes:
+        shapes: with the volumes of the steady train, every cell's mean point in the train's window,
+            in the frame of the steady train, r0.
+        laps: how many lengths of the train each cell is put back by.
+        measures: of these shapes.
+    """
+
+    shapes: Float[np.ndarray, "cell 3 coefficient"]
+    laps: Int[np.ndarray, " cell"]
+    measures: Measures
+
+
+@dataclass(frozen=True)
+class State(Settled):
+    """Where a train is at one time, and how it moves; whatever marches it can go on from there.
+
+    Attributes:
+        time: r0/U.
+        rates: rates of change of the shapes in the frame of the steady train, U.
+        wall_gap: smallest distance of a cell from the wall for which the wall was resolved, r0.
+    """
+
+    time: float
+    rates: Float[np.ndarray, "cell 3 coefficient"]
+    wall_gap: float

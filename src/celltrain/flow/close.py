@@ -24,13 +24,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
 from celltrain.flow.polar import PolarRule, density_rows, polar_velocity
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.polar import PolarTables, polar_tables
+from celltrain.proximity.nearest import (
+    NearestPoints,
+    NearestPointSearch,
+    nearest_point_search,
+)
 
 CHUNK = 16
-NEAREST_CHUNK = 64
 UNIFORMITY = 8.0
 CLOSEST = 1e-4
 
@@ -39,7 +42,7 @@ class CloseRule(eqx.Module):
     """Graded polar rules, one for each level of distance over stretch."""
 
     parameter: float = eqx.field(static=True)
-    nearest: NearestPoint
+    nearest: NearestPointSearch
     levels: Float[Array, " level"]
     tables: PolarTables
     weights: Float[Array, "level radial"]
@@ -74,8 +77,8 @@ class CloseRule(eqx.Module):
             chosen = (None if each is None else each[cells[pair]] for each in channels)
             return polar_velocity(rule, poles, points[pair], *chosen)
 
-        near = self.nearest_points(points, cells, guesses, valid, shapes)
-        return self._over_levels(found, near, valid, jnp.zeros_like(points))
+        nearest = self.nearest.of_valid(points, cells, shapes, guesses, valid)
+        return self._over_levels(found, nearest, valid, jnp.zeros_like(points))
 
     def double_layer(
         self,
@@ -94,47 +97,20 @@ class CloseRule(eqx.Module):
         def found(rule: PolarRule, poles: Array, pair: Array) -> Array:
             return density_rows(rule, poles, points[pair], shapes[cells[pair]])
 
-        near = self.nearest_points(points, cells, guesses, valid, shapes)
+        nearest = self.nearest.of_valid(points, cells, shapes, guesses, valid)
         start = jnp.zeros((points.shape[0], 3, 3, shapes.shape[-1]))
-        return self._over_levels(found, near, valid, start)
-
-    def nearest_points(
-        self,
-        points: Float[Array, "pair 3"],
-        cells: Int[Array, " pair"],
-        guesses: Float[Array, "pair 2"],
-        valid: Bool[Array, " pair"],
-        shapes: JaxShapes,
-    ) -> NearestPoints:
-        """Nearest point of each pair's cell; the distance of pairs that are not valid is infinite.
-
-        Arguments as for `velocity`.
-        """
-        order = jnp.argsort(~valid)
-        count = jnp.sum(valid)
-
-        def add(number: Array, found: NearestPoints) -> NearestPoints:
-            place = NEAREST_CHUNK * number + jnp.arange(NEAREST_CHUNK)
-            # What is beyond the last pair repeats it.
-            pair = order[jnp.minimum(place, count - 1)]
-            here = self.nearest(points[pair], shapes[cells[pair]], guesses[pair])
-            return jax.tree.map(lambda whole, part: whole.at[pair].set(part), found, here)
-
-        points, guesses, shapes = jax.lax.stop_gradient((points, guesses, shapes))
-        one = jnp.ones_like(points[:, 0])
-        start = NearestPoints(0.0 * one, 0.0 * one, jnp.inf * one, one, one > 0.0)
-        return jax.lax.fori_loop(0, -(-count // NEAREST_CHUNK), add, start)
+        return self._over_levels(found, nearest, valid, start)
 
     def _over_levels(
         self,
         found: Callable[[PolarRule, Array, Array], Array],
-        near: NearestPoints,
+        nearest: NearestPoints,
         valid: Bool[Array, " pair"],
         start: Array,
     ) -> Array:
         """What is found for the valid pairs added to `start`, in chunks of pairs of one level."""
-        poles = jnp.stack([near.theta, near.phi], axis=-1)
-        level = self._level(near, valid)
+        poles = jnp.stack([nearest.theta, nearest.phi], axis=-1)
+        level = self._level(nearest, valid)
         order = jnp.argsort(level)
         bounds = jnp.searchsorted(level[order], jnp.arange(self.levels.size + 1))
         chunks = -(-jnp.diff(bounds) // CHUNK)
@@ -155,9 +131,9 @@ class CloseRule(eqx.Module):
 
         return jax.lax.fori_loop(0, jnp.sum(chunks), add, start)
 
-    def _level(self, near: NearestPoints, valid: Array) -> Int[Array, " pair"]:
+    def _level(self, nearest: NearestPoints, valid: Array) -> Int[Array, " pair"]:
         """Number of the level of each pair; that of pairs that are not valid is one too many."""
-        scaled = jnp.abs(near.distance) / near.stretch
+        scaled = jnp.abs(nearest.distance) / nearest.stretch
         level = jnp.sum(scaled[:, None] < self.levels, axis=1)
         return jnp.where(valid, jnp.minimum(level, self.levels.size - 1), self.levels.size)
 
@@ -197,7 +173,7 @@ def close_rule(
         weights.append(areas[-1] * np.sin(alpha))
     return CloseRule(
         parameter=parameter,
-        nearest=nearest_point(degree),
+        nearest=nearest_point_search(degree),
         levels=jnp.asarray(levels),
         tables=jax.tree.map(lambda *leaves: jnp.stack(leaves), *tables),
         weights=jnp.asarray(np.stack(weights)),

@@ -22,9 +22,9 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from celltrain.flow.close_targets import CloseEvaluation, CloseTargets
 from celltrain.flow.ewald import EwaldSplit, ewald_split, far_velocity_modes
 from celltrain.flow.near import near_sum
-from celltrain.flow.neighbours import CloseEvaluation, Neighbours
 from celltrain.flow.sources import Sources
 from celltrain.flow.transform import Transform, transform
 from celltrain.flow.wall import TubeWall, tube_wall
@@ -34,7 +34,7 @@ from celltrain.harmonics.jax_shapes import JaxShapes
 CELL_SHARE, WALL_SHARE = 2.0, 0.5
 
 # Of the targets and of the points of the wall.
-TubeNeighbours = tuple[Neighbours, Neighbours]
+TubeCloseTargets = tuple[CloseTargets, CloseTargets]
 
 
 class PeriodicTube(eqx.Module):
@@ -73,19 +73,19 @@ class PeriodicTube(eqx.Module):
         owners: Int[Array, " group"],
         sources: Sources,
         *,
-        neighbours: TubeNeighbours | None = None,
+        close_targets: TubeCloseTargets | None = None,
         mean_flow: bool = True,
     ) -> Float[Array, "group ring azimuth 3"]:
         """Velocity at points in the fluid or on cells, in U.
 
         **Arguments:** `owners`: cell on which each group of targets lies, -1 for points off the
         cells. The near kernels of a group's own cell are left out: see `OwnSurfaceRule`.
-        `neighbours`: of these targets and cells, if they are known already. Without `mean_flow` the
-        mean velocity is 0 instead of 1, which makes the velocity linear in the sources.
+        `close_targets`: of these targets and cells, if they are known already. Without `mean_flow`
+        the mean velocity is 0 instead of 1, which makes the velocity linear in the sources.
         """
-        if neighbours is None and sources.surface is not None:
-            neighbours = self.neighbours(targets, owners, sources.points)
-        by_cells, by_wall = (None, None) if neighbours is None else neighbours
+        if close_targets is None and sources.surface is not None:
+            close_targets = self.close_targets(targets, owners, sources.points)
+        by_cells, by_wall = (None, None) if close_targets is None else close_targets
         loose, wall_points = _numbers(targets).reshape(-1, 3), self.wall.points()
         both = jnp.concatenate([loose, wall_points.reshape(-1, 3)])
         far = self.transform.synthesise(both, self._far_modes(sources))
@@ -121,14 +121,14 @@ class PeriodicTube(eqx.Module):
             )
         )
 
-    def neighbours(
+    def close_targets(
         self,
         targets: Float[Array, "group ring azimuth 3"],
         owners: Int[Array, " group"],
         points: Float[Array, "cell source_ring source_azimuth 3"],
         *,
         shapes: JaxShapes | None = None,
-    ) -> TubeNeighbours | None:
+    ) -> TubeCloseTargets | None:
         """Which targets, and which points of the wall, are close to a cell's grid points.
 
         **Arguments:** `shapes`: prepares double layers on these cells, for many densities.
@@ -138,7 +138,7 @@ class PeriodicTube(eqx.Module):
             return None
         cells = points.reshape(points.shape[0], -1, 3)
 
-        def of(targets: Array, owners: Array, share: float) -> Neighbours:
+        def of(targets: Array, owners: Array, share: float) -> CloseTargets:
             period, images = self.wall.period, self.images
             found = close.find(targets, owners, cells, period=period, images=images, share=share)
             return found if shapes is None else close.prepared(found, targets, shapes, period)
@@ -149,7 +149,7 @@ class PeriodicTube(eqx.Module):
         return by_cells, of(wall, jnp.full(len(strips), -1), WALL_SHARE)
 
     def _near(
-        self, targets: Array, owners: Array, sources: Sources, neighbours: Neighbours | None
+        self, targets: Array, owners: Array, sources: Sources, close_targets: CloseTargets | None
     ) -> Array:
         """Near sums over all images, [group, target, 3]."""
         total = near_sum(
@@ -161,10 +161,10 @@ class PeriodicTube(eqx.Module):
             period=self.wall.period,
             images=self.images,
             coarse_beyond=self.coarse_beyond,
-            keep=None if neighbours is None else neighbours.pairs.keep,
+            keep=None if close_targets is None else close_targets.pairs.keep,
         ) / (8.0 * math.pi)
-        if neighbours is not None and self.close is not None:
-            total += self.close.velocity(neighbours, targets, sources, self.wall.period)
+        if close_targets is not None and self.close is not None:
+            total += self.close.velocity(close_targets, targets, sources, self.wall.period)
         return total
 
 
@@ -177,7 +177,7 @@ def periodic_tube(
     diameter: float,
     period: float,
     *,
-    gap: float,
+    wall_gap: float,
     extent: float,
     cutoff: float,
     tolerance: float,
@@ -188,7 +188,7 @@ def periodic_tube(
 
     **Arguments:**
 
-    - `gap`: smallest distance of a cell from the wall for which the wall is resolved.
+    - `wall_gap`: smallest distance of a cell from the wall for which the wall is resolved.
     - `extent`: how far sources and targets may reach axially beyond one period; with `cutoff` it
       fixes how many images the near sum visits.
     - `cutoff`, `tolerance`: range of the Ewald near kernel and relative truncation error.
@@ -200,7 +200,7 @@ def periodic_tube(
         split=split,
         # Wider than the tube by the near kernel's range, which so never reaches an image across.
         transform=transform(split, diameter + cutoff, period, tolerance),
-        wall=tube_wall(0.5 * diameter, period, gap=gap, tolerance=tolerance),
+        wall=tube_wall(0.5 * diameter, period, wall_gap=wall_gap, tolerance=tolerance),
         close=None if close is None else close(split.parameter),
         coarse_beyond=coarse_beyond,
         images=math.floor((cutoff + extent + period) / period),

@@ -201,13 +201,13 @@ class TubeWall(eqx.Module):
         return jnp.stack([u_r * cosine - u_theta * sine, u_r * sine + u_theta * cosine, u_z], -1)
 
 
-def tube_wall(radius: float, period: float, *, gap: float, tolerance: float) -> TubeWall:
-    """Wall of a tube, fine enough for surfaces at a distance of `gap` or more.
+def tube_wall(radius: float, period: float, *, wall_gap: float, tolerance: float) -> TubeWall:
+    """Wall of a tube, fine enough for surfaces at the distance `wall_gap` (r0) from it or more.
 
     The velocity on the wall that a source at that distance gives has modes that fall as
-    exp(-k gap), and so does their effect back at that distance; both are resolved to `tolerance`.
+    exp(-k wall_gap), and so does their effect back there; both are resolved to `tolerance`.
     """
-    largest = -math.log(tolerance) / (1.4 * gap)
+    largest = -math.log(tolerance) / (1.4 * wall_gap)
     orders = math.ceil(largest * radius)
     waves = math.ceil(largest * period / (2.0 * math.pi))
     # Chebyshev degree for exp(k R x) to the tolerance, k the largest wave number.

@@ -19,6 +19,7 @@ from celltrain.harmonics.shapes import (
     displaced,
     displaced_along,
     mean_points,
+    surface_points,
 )
 
 __all__ = [
@@ -48,5 +49,6 @@ __all__ = [
     "profile_of",
     "project_meridian",
     "real_harmonics",
+    "surface_points",
     "unit_vectors",
 ]

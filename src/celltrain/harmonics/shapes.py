@@ -39,6 +39,14 @@ class Numbers(Protocol):
         """Sum."""
         ...
 
+    def __matmul__(self, other: Any) -> Any:
+        """Product of matrices."""
+        ...
+
+    def swapaxes(self, first: int, second: int, /) -> Any:
+        """The array with two axes exchanged."""
+        ...
+
 
 Kind = TypeVar("Kind", bound=Numbers)
 
@@ -79,3 +87,14 @@ def displaced_along(
     if not isinstance(distance, float | int):
         distance = distance[..., None]
     return displaced(shapes, distance * np.array([0.0, 0.0, 1.0]))
+
+
+def surface_points(
+    shapes: Float[Kind, "*cell 3 coefficient"], harmonics: Float[Kind, "point coefficient"]
+) -> Float[Kind, "*cell point 3"]:
+    """Points of the surfaces where the harmonics have the given values, in r0.
+
+    With rates of change in place of shapes, the velocities there; with derivatives of the harmonics
+    in place of their values, tangents.
+    """
+    return harmonics @ shapes.swapaxes(-2, -1)

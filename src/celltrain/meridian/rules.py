@@ -120,7 +120,7 @@ def choose_rules(
     while (nearest + 1) * period - length < NEAREST_IMAGE:
         nearest += 1
     least = max(math.ceil(2.5 * degree), 12)
-    clearance = radius - float(rho.max())
+    wall_distance = radius - float(rho.max())
     image = math.inf
     for shift in (period, -period):
         across = (rho[:, None] - rho) ** 2 + (z[:, None] - z - shift) ** 2
@@ -132,7 +132,7 @@ def choose_rules(
         half_circle=math.ceil(0.5 * (AROUND * degree * longer * finer))
         if around is None
         else around // 2,
-        sources=max(least, points(2.0 * clearance), points(NEAREST_IMAGE)),
+        sources=max(least, points(2.0 * wall_distance), points(NEAREST_IMAGE)),
         image_sources=image_sources,
         image_half_circle=math.ceil(0.5 * LONGITUDES * image_sources),
         nearest=nearest,

@@ -158,7 +158,7 @@ class TrainFlow:
         )
 
     @cached_property
-    def clearance(self) -> float:
+    def wall_distance(self) -> float:
         """Distance of the cells' points from the wall, r0."""
         return self.radius - float(max(self.places[1].max(), self.source_places[1].max()))
 
@@ -170,7 +170,7 @@ class TrainFlow:
                 phase=phase,
                 radius=self.radius,
                 period=self.period,
-                clearance=self.clearance,
+                wall_distance=self.wall_distance,
                 tolerance=self.rules.tolerance,
                 rho=np.concatenate([rho, rho_target]),
                 z=np.concatenate([z, z_target]),

@@ -11,7 +11,7 @@ Z = i sign(k) Z' both are real, and real and imaginary parts of the sums are row
 
     e^{-ikz}(R, Phi, Z') -> (cos R, cos Phi, -s sin Z) + i (-sin R, -sin Phi, -s cos Z), s = sign k.
 
-k_max = -log(tolerance)/(2 clearance). At q = 0 the wave k = 0 is there, too.
+k_max = -log(tolerance)/(2 wall_distance). At q = 0 the wave k = 0 is there, too.
 """
 
 from dataclasses import dataclass
@@ -48,7 +48,7 @@ class WallWaves:
     phase: float
     radius: float
     period: float
-    clearance: float
+    wall_distance: float
     tolerance: float
     rho: Meridian
     z: Meridian
@@ -58,7 +58,7 @@ class WallWaves:
     @cached_property
     def waves(self) -> Meridian:
         """k, without the uniform wave, 1/r0."""
-        largest = -np.log(self.tolerance) / (2.0 * self.clearance)
+        largest = -np.log(self.tolerance) / (2.0 * self.wall_distance)
         count = int(np.ceil(largest * self.period / (2.0 * np.pi))) + 1
         waves = (2.0 * np.pi * np.arange(-count, count + 1) + self.phase) / self.period
         return waves[np.abs(waves) > UNIFORM]

@@ -18,10 +18,11 @@ from jaxtyping import Float
 
 from celltrain.harmonics import UNIT_DISPLACEMENT, Profile, profile_of
 from celltrain.membrane import meridian_membrane
-from celltrain.meridian.geometry import largest_radius, streamwise_gap
+from celltrain.meridian.geometry import largest_radius
 from celltrain.meridian.rules import Rules, choose_rules
 from celltrain.meridian.train import ALIKE, TrainFlow
 from celltrain.parameters import Train
+from celltrain.proximity.meridian import streamwise_gap
 
 Unknowns = Float[np.ndarray, " unknown"]
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from celltrain.clock import timed
 from celltrain.harmonics import coefficients_of, profile_of
-from celltrain.meridian.geometry import largest_radius, streamwise_gap
+from celltrain.meridian.geometry import largest_radius
 from celltrain.parameters import Train
+from celltrain.proximity.meridian import streamwise_gap
 from celltrain.steady.base import Base, IterationProgress, NotConverged
 from celltrain.steady.degree import raised
 from celltrain.steady.iterate import Iterated, newton

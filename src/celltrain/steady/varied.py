@@ -26,10 +26,11 @@ from celltrain.membrane import (
     relaxed_slope,
     with_moduli,
 )
-from celltrain.meridian.geometry import largest_radius, streamwise_gap
+from celltrain.meridian.geometry import largest_radius
 from celltrain.meridian.rules import Rules
 from celltrain.meridian.train import SMALLEST_PHASE, TrainFlow
 from celltrain.parameters.strength import weakened
+from celltrain.proximity.meridian import streamwise_gap
 from celltrain.steady.parameters import MATERIAL, parameter_value
 from celltrain.steady.problem import SteadyProblem
 

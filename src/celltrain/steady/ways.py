@@ -11,8 +11,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from celltrain.harmonics import Profile
-from celltrain.meridian.geometry import clearance, size_at_rest
+from celltrain.meridian.geometry import size_at_rest
 from celltrain.parameters import Train
+from celltrain.proximity.meridian import clearance
 from celltrain.steady.base import Iteration, IterationProgress
 from celltrain.steady.degree import DEGREES
 from celltrain.steady.iterate import ROUNDING, Iterated, march, newton

@@ -49,7 +49,7 @@ def rates_error(
     shapes: Shapes,
     *,
     close: bool = True,
-    gap: float | None = None,
+    wall_gap: float | None = None,
 ) -> float:
     """Estimated error of the velocity on the cells, relative to the largest one.
 
@@ -57,13 +57,13 @@ def rates_error(
     finer ones, times a margin: everything but the degree of the shapes, whose effect see in
     `Base.truncation_error`.
 
-    **Arguments:** `close`, `gap`: as for `train_operator`.
+    **Arguments:** `close`, `wall_gap`: as for `train_operator`.
 
     **Returns:** not a number if a velocity is none.
     """
 
     def operator(train: Train) -> TrainOperator:
-        return train_operator(train, cells=len(shapes), close=close, gap=gap)
+        return train_operator(train, cells=len(shapes), close=close, wall_gap=wall_gap)
 
     better = operator(refined(train))
     values, points = better.target_grid.values, jnp.asarray(shapes)

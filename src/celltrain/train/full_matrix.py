@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.meridian.geometry import clearance
+from celltrain.proximity.meridian import clearance
 from celltrain.steady import Base
 from celltrain.train.operator import TrainOperator, close_distance, place_cells, train_operator
 

@@ -17,7 +17,7 @@ from jaxtyping import Array, Float
 
 from celltrain.flow import OwnSurfaceRule, PeriodicTube, Sources, own_surface_rule, periodic_tube
 from celltrain.flow.close import close_rule
-from celltrain.flow.neighbours import CloseEvaluation
+from celltrain.flow.close_targets import CloseEvaluation
 from celltrain.flow.sources import Surface
 from celltrain.harmonics import Shape, Shapes, displaced_along
 from celltrain.harmonics.grid import SphereGrid, sphere_grid
@@ -99,12 +99,12 @@ class TrainOperator(eqx.Module):
         """What cells' motions give through other cells, images and the wall, as rates."""
         targets, owners = self.targets(shapes), jnp.arange(shapes.shape[0])
         points = self.source_points(shapes)
-        neighbours = self.tube.neighbours(targets, owners, points, shapes=shapes)
+        close = self.tube.close_targets(targets, owners, points, shapes=shapes)
 
         def outer(motions: JaxShapes) -> Array:
             sources = self.motion_sources(shapes, motions)
             velocity = self.tube.velocity(
-                targets, owners, sources, neighbours=neighbours, mean_flow=False
+                targets, owners, sources, close_targets=close, mean_flow=False
             )
             return self.project(velocity)
 
@@ -240,15 +240,15 @@ def train_operator(
     *,
     cells: int = 1,
     close: bool = True,
-    gap: float | None = None,
+    wall_gap: float | None = None,
 ) -> TrainOperator:
     """The operator for `cells` cells in a period of their own.
 
     **Arguments:**
 
     - `close`: whether cells may come closer to each other or to the wall than `close_distance`.
-    - `gap`: smallest distance of a cell from the wall for which the wall is resolved, in r0; by
-      default that of a resting cell on the axis.
+    - `wall_gap`: smallest distance of a cell from the wall for which the wall is resolved, in r0;
+      by default that of a resting cell on the axis.
     """
     sizes, resolution = train.sizes, train.resolution
     resting = train_membrane(train)
@@ -269,7 +269,7 @@ def train_operator(
     tube = periodic_tube(
         train.tube.diameter,
         cells * train.period,
-        gap=train.radius - widest if gap is None else gap,
+        wall_gap=train.radius - widest if wall_gap is None else wall_gap,
         extent=HALF_LENGTH,
         cutoff=resolution.near_cutoff,
         tolerance=resolution.tolerance,

@@ -18,12 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.evolution.film_points import FINE, FilmGrid, film_grid
-from celltrain.evolution.repulsion import Repulsion
+from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.harmonics import Shapes
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import resting_shape
 from celltrain.parameters import Train
+from celltrain.proximity.film_points import FINE, FilmGrid, film_grid
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class FilmForces:
         if within == 0.0:
             return none
         found = self.grid.find(shapes, within=within, period=self.length)
-        walls = self.grid.near_wall(shapes, within=within, radius=self.radius)
+        walls = self.grid.at_wall(shapes, within=within, radius=self.radius)
         if not len(found.distance) and not len(walls.distance):
             return none
         gap = float(min(found.distance.min(initial=np.inf), walls.distance.min(initial=np.inf)))
@@ -83,7 +83,7 @@ class FilmForces:
             mine, theirs, wall = found.cell == cell, found.other == cell, walls.cell == cell
             forces[cell] = (
                 push[mine].T @ self.grid.fine[found.node[mine]]
-                - push[theirs].T @ found.foot[theirs]
+                - push[theirs].T @ found.nearest[theirs]
                 + wall_push[wall].T @ self.grid.fine[walls.node[wall]]
             )
             totals[cell] = size[mine].sum() + size[theirs].sum() + wall_size[wall].sum()

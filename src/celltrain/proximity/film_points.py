@@ -9,16 +9,15 @@ surface. All is done on the host: such points are few, if there are any.
 from dataclasses import dataclass
 from functools import lru_cache
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy.spatial import cKDTree
 
-from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
-from celltrain.harmonics import Shapes, real_harmonics, unit_vectors
+from celltrain.harmonics import Shapes, real_harmonics, surface_points, unit_vectors
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.tables import harmonic_tables
+from celltrain.proximity.boxes import close_boxes
+from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
 
 Points = Float[np.ndarray, "point 3"]
 
@@ -29,8 +28,6 @@ FINE = 6
 STRETCH = 2.0
 # Half the largest curvature, 1/r0, that the choice of points for Newton's method allows for.
 BEND = 3.0
-# Points that Newton's method takes at once; with many more their coefficients leave the cache.
-BATCH = 64
 
 
 @dataclass(frozen=True)
@@ -42,7 +39,7 @@ class FilmPoints:
         node: number of the point in the fine grid.
         distance: from the other cell, r0; negative inside it.
         direction: unit vector from the nearest point to the point.
-        foot: harmonics at the nearest point.
+        nearest: harmonics at the nearest point.
     """
 
     cell: Int[np.ndarray, " point"]
@@ -50,7 +47,7 @@ class FilmPoints:
     node: Int[np.ndarray, " point"]
     distance: Float[np.ndarray, " point"]
     direction: Float[np.ndarray, "point 3"]
-    foot: Float[np.ndarray, "point coefficient"]
+    nearest: Float[np.ndarray, "point coefficient"]
 
 
 @dataclass(frozen=True)
@@ -91,7 +88,7 @@ class FilmGrid:
     slopes: Float[np.ndarray, "2 point coefficient"]
     angles: Float[np.ndarray, "point 2"]
     parent: Int[np.ndarray, " point"]
-    method: NearestPoint
+    search: NearestPointSearch
 
     def find(self, shapes: Shapes, *, within: float, period: float) -> FilmPoints:
         """All points less than `within` (r0) from another cell; cells recur with the period."""
@@ -102,115 +99,87 @@ class FilmGrid:
         node = np.concatenate([empty, *(side.node for side in sides)])
         guess = np.concatenate([empty, *(side.guess for side in sides)])
         points = np.concatenate([np.zeros((0, 3)), *(side.points for side in sides)])
-        theta, phi, distance = self._nearest(shapes, other, points, self.angles[guess])
+        angles, distance = nearest_points(self.search, points, other, shapes, self.angles[guess])
         kept = distance < within
-        foot = real_harmonics(self.degree, theta[kept], phi[kept])
-        away = points[kept] - np.einsum("pk,pik->pi", foot, shapes[other[kept]])
+        nearest = real_harmonics(self.degree, *angles[kept].T)
+        away = points[kept] - np.einsum("pk,pik->pi", nearest, shapes[other[kept]])
         return FilmPoints(
             cell=cell[kept],
             other=other[kept],
             node=node[kept],
             distance=distance[kept],
             direction=away / distance[kept, None],
-            foot=foot,
+            nearest=nearest,
         )
 
-    def near_wall(self, shapes: Shapes, *, within: float, radius: float) -> WallPoints:
+    def at_wall(self, shapes: Shapes, *, within: float, radius: float) -> WallPoints:
         """All points less than `within` (r0) from the wall of a tube of the given radius."""
         across = shapes[:, :2] @ self.coarse.T
         largest = np.sqrt(np.max(np.sum(across**2, axis=1), axis=1))
-        near = np.flatnonzero(radius - largest < within + _spacing(COARSE * self.degree))
-        points = shapes[near, :2] @ self.fine.T
+        close = np.flatnonzero(radius - largest < within + _spacing(COARSE * self.degree))
+        points = shapes[close, :2] @ self.fine.T
         axial = np.sqrt(np.sum(points**2, axis=1))
         place, node = np.nonzero(radius - axial < within)
         distance = radius - axial[place, node]
         inward = np.zeros((len(node), 3))
         inward[:, :2] = -points[place, :, node] / axial[place, node, None]
-        return WallPoints(near[place], node, distance, inward)
+        return WallPoints(close[place], node, distance, inward)
 
     def _sides(self, shapes: Shapes, within: float, period: float) -> list[_Side]:
-        points = np.swapaxes(shapes @ self.coarse.T, 1, 2)
-        low, high = points.min(axis=1), points.max(axis=1)
+        points = surface_points(shapes, self.coarse)
         reach = within + 2.0 * _spacing(COARSE * self.degree)
         trees: dict[int, cKDTree] = {}
         sides = []
-        for first in range(len(shapes)):
-            for second in range(first, len(shapes)):
-                for image in (1,) if first == second else (-1, 0, 1):
-                    shift = np.array([0.0, 0.0, image * period])
-                    below, above = low[second] + shift - reach, high[second] + shift + reach
-                    if (low[first] > above).any() or (high[first] < below).any():
-                        continue
-                    for cell in (first, second):
-                        if cell not in trees:
-                            trees[cell] = cKDTree(points[cell])
-                    near = (
-                        np.isfinite(_query(points[first] - shift, trees[second], reach)[0]),
-                        np.isfinite(_query(points[second] + shift, trees[first], reach)[0]),
-                    )
-                    if near[0].any():
-                        sides += self._candidates(shapes, (first, second), near, shift, within)
+        for first, second, image in close_boxes(points, within=reach, period=period):
+            shift = np.array([0.0, 0.0, image * period])
+            for cell in {first, second} - trees.keys():
+                trees[cell] = cKDTree(points[cell])
+            close = (
+                np.isfinite(_query(points[first] - shift, trees[second], reach)[0]),
+                np.isfinite(_query(points[second] + shift, trees[first], reach)[0]),
+            )
+            if close[0].any():
+                sides += self._candidates(shapes, (first, second), close, shift, within)
         return sides
 
     def _candidates(
         self,
         shapes: Shapes,
         cells: tuple[int, int],
-        near: tuple[Bool[np.ndarray, " node"], Bool[np.ndarray, " node"]],
+        close: tuple[Bool[np.ndarray, " node"], Bool[np.ndarray, " node"]],
         shift: Float[np.ndarray, "3"],
         within: float,
     ) -> list[_Side]:
         """Points of the fine grid that can be within the distance, of both cells."""
         first, second = cells
-        nodes = [np.flatnonzero(each[self.parent]) for each in near]
+        nodes = [np.flatnonzero(each[self.parent]) for each in close]
         here = self.fine[nodes[0]] @ shapes[first].T - shift
         there = self.fine[nodes[1]] @ shapes[second].T
         bound = float(np.hypot(within, _spacing(FINE * self.degree)))
         found = []
         for side, points, others in ((0, here, there), (1, there, here)):
             distance, index = _query(points, cKDTree(others), bound)
-            close = np.flatnonzero(np.isfinite(distance))
-            index = index[close]
+            number = np.flatnonzero(np.isfinite(distance))
+            index = index[number]
             guess = nodes[1 - side][index]
             # The distance from the plane that touches the surface at the nearest point of the grid
             # is right to half the curvature times the square of the distance along it.
             down, around = self.slopes[:, guess] @ shapes[cells[1 - side]].T
             normal = np.cross(down, around)
-            away = points[close] - others[index]
+            away = points[number] - others[index]
             height = np.abs(np.sum(normal * away, axis=1)) / np.linalg.norm(normal, axis=1)
-            likely = height < within + BEND * (distance[close] ** 2 - height**2)
-            close, guess = close[likely], guess[likely]
+            likely = height < within + BEND * (distance[number] ** 2 - height**2)
+            number, guess = number[likely], guess[likely]
             found.append(
                 _Side(
                     cell=cells[side],
                     other=cells[1 - side],
-                    node=nodes[side][close],
-                    points=points[close] + (0.0 if side == 0 else shift),
+                    node=nodes[side][number],
+                    points=points[number] + (0.0 if side == 0 else shift),
                     guess=guess,
                 )
             )
         return found
-
-    def _nearest(
-        self,
-        shapes: Shapes,
-        cells: Int[np.ndarray, " point"],
-        points: Points,
-        guesses: Float[np.ndarray, "point 2"],
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Colatitude, longitude and signed distance of the nearest points of the cells."""
-        found = np.zeros((3, len(points)))
-        all_shapes = jnp.asarray(shapes)
-        for start in range(0, len(points), BATCH):
-            # The last batch repeats its first point.
-            number = np.arange(start, start + BATCH)
-            number = np.where(number < len(points), number, start)
-            chosen = (jnp.asarray(each[number]) for each in (cells, points, guesses))
-            near = _batch(self.method, all_shapes, *chosen)
-            count = min(BATCH, len(points) - start)
-            for row, each in zip(found, (near.theta, near.phi, near.distance), strict=True):
-                row[start : start + count] = np.asarray(each)[:count]
-        return found[0], found[1], found[2]
 
 
 def _spacing(order: int) -> float:
@@ -240,12 +209,5 @@ def film_grid(degree: int) -> FilmGrid:
         slopes=np.stack([tables.d_theta, tables.d_phi]),
         angles=angles,
         parent=np.asarray(parent),
-        method=nearest_point(degree),
+        search=nearest_point_search(degree),
     )
-
-
-@eqx.filter_jit
-def _batch(
-    method: NearestPoint, shapes: Array, cells: Array, points: Array, guesses: Array
-) -> NearestPoints:
-    return method(points, shapes[cells], guesses)

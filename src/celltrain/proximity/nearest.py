@@ -4,6 +4,9 @@ On the unit sphere of the parameters, with u the frame's pole, (xi_1, xi_2) = al
 beta) are coordinates without singularity. In them f = |x(u) - p|^2/2 has the gradient x_i . (x - p)
 and the Hessian x_i . x_j + x_ij . (x - p), which follow from the coefficients seen from the pole;
 only those of orders 0, 1 and 2 take part. Each step moves the pole.
+
+The iteration stands here once. `NearestPointSearch` runs it inside programs of JAX, for as many
+pairs as are valid; `nearest_points` runs it outside, for any number of points on the host.
 """
 
 import math
@@ -12,14 +15,17 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
-from celltrain.harmonics import degrees_and_orders
+from celltrain.harmonics import Shapes, degrees_and_orders
+from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.rotation import PoleRotation, pole_rotation
 
 MAX_ITERATIONS = 30
 LONGEST_STEP = 0.3
 SHORTEST_STEP = 1e-9
+# Pairs at once; with many more their coefficients leave the cache.
+CHUNK = 64
 
 # Count of steps; pole, jet there, squared distance, shortening of steps, end of each pair.
 State = tuple[Array, Array, Array, Array, Array, Array]
@@ -40,7 +46,7 @@ class NearestPoints(eqx.Module):
     converged: Bool[Array, " pair"]
 
 
-class NearestPoint(eqx.Module):
+class NearestPointSearch(eqx.Module):
     """Newton's method for the nearest point, for shapes below one degree."""
 
     rotation: PoleRotation
@@ -100,6 +106,67 @@ class NearestPoint(eqx.Module):
             converged=converged,
         )
 
+    def of_valid(
+        self,
+        points: Float[Array, "pair 3"],
+        cells: Int[Array, " pair"],
+        shapes: JaxShapes,
+        guesses: Float[Array, "pair 2"],
+        valid: Bool[Array, " pair"],
+    ) -> NearestPoints:
+        """Nearest point of each valid pair's cell; the cost follows the number of these.
+
+        The distance of pairs that are not valid is infinite. Derivatives do not pass through.
+        """
+        order = jnp.argsort(~valid)
+        count = jnp.sum(valid)
+
+        def add(number: Array, found: NearestPoints) -> NearestPoints:
+            place = CHUNK * number + jnp.arange(CHUNK)
+            # What is beyond the last pair repeats it.
+            pair = order[jnp.minimum(place, count - 1)]
+            here = self(points[pair], shapes[cells[pair]], guesses[pair])
+            return jax.tree.map(lambda whole, part: whole.at[pair].set(part), found, here)
+
+        points, guesses, shapes = jax.lax.stop_gradient((points, guesses, shapes))
+        one = jnp.ones_like(points[:, 0])
+        start = NearestPoints(0.0 * one, 0.0 * one, jnp.inf * one, one, one > 0.0)
+        return jax.lax.fori_loop(0, -(-count // CHUNK), add, start)
+
+
+def nearest_points(
+    search: NearestPointSearch,
+    points: Float[np.ndarray, "point 3"],
+    cells: Int[np.ndarray, " point"],
+    shapes: Shapes,
+    guesses: Float[np.ndarray, "point 2"],
+) -> tuple[Float[np.ndarray, "point 2"], Float[np.ndarray, " point"]]:
+    """Nearest points (theta, phi) of cells to points, and the distances, negative inside.
+
+    For few points outside compiled programs: one program serves any number of points and cells.
+
+    **Arguments:** `cells`: that of each point; `guesses`: as for the search, whose result this is.
+    """
+    angles, distances = np.zeros((len(points), 2)), np.zeros(len(points))
+    for start in range(0, len(points), CHUNK):
+        # What is beyond the last point repeats it.
+        number = np.minimum(np.arange(start, start + CHUNK), len(points) - 1)
+        chosen = (points[number], shapes[cells[number]], guesses[number])
+        found = _searched(search, *(jnp.asarray(each) for each in chosen))
+        angles[number] = np.stack([found.theta, found.phi], axis=-1)
+        distances[number] = found.distance
+    return angles, distances
+
+
+@eqx.filter_jit
+def _searched(
+    search: NearestPointSearch,
+    points: Float[Array, "pair 3"],
+    shapes: Float[Array, "pair 3 coefficient"],
+    guesses: Float[Array, "pair 2"],
+) -> NearestPoints:
+    return search(points, shapes, guesses)
+
 
 def _dot(a: Array, b: Array) -> Array:
     return jnp.sum(a * b, axis=-1)
@@ -148,8 +215,8 @@ def _largest_stretch(
     return jnp.sqrt(mean + jnp.hypot(half, _dot(first, second)))
 
 
-def nearest_point(degree: int) -> NearestPoint:
-    """The method for shapes with the harmonics below `degree`."""
+def nearest_point_search(degree: int) -> NearestPointSearch:
+    """The search for shapes with the harmonics below `degree`."""
     rotation = pole_rotation(degree)
     n, order = degrees_and_orders(degree)
     scale = np.sqrt((2 * n + 1) / (4.0 * math.pi))
@@ -168,4 +235,4 @@ def nearest_point(degree: int) -> NearestPoint:
             np.where(order == 0, level, np.where(order == 2, -twist, zero)),
         ]
     )
-    return NearestPoint(rotation, jnp.asarray(at_pole) @ rotation.quarter.T)
+    return NearestPointSearch(rotation, jnp.asarray(at_pole) @ rotation.quarter.T)

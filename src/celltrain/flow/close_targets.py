@@ -11,12 +11,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from celltrain.flow.close import CloseRule
-from celltrain.flow.close_pairs import ClosePairs, close_pairs
 from celltrain.flow.sources import Sources
 from celltrain.harmonics.jax_shapes import JaxShapes
+from celltrain.proximity.close_pairs import ClosePairs, close_pairs
 
 
-class Neighbours(eqx.Module):
+class CloseTargets(eqx.Module):
     """Close pairs of one set of targets; `rows` are the double layer's matrices, if prepared."""
 
     pairs: ClosePairs
@@ -42,10 +42,10 @@ class CloseEvaluation(eqx.Module):
         period: Float[Array, ""],
         images: int,
         share: float,
-    ) -> Neighbours:
+    ) -> CloseTargets:
         """The close pairs of these targets and cells, `share` of them for each target or fewer."""
         capacity = max(64, round(share * targets.shape[0] * targets.shape[1]))
-        return Neighbours(
+        return CloseTargets(
             close_pairs(
                 targets,
                 owners,
@@ -59,31 +59,31 @@ class CloseEvaluation(eqx.Module):
 
     def prepared(
         self,
-        neighbours: Neighbours,
+        close: CloseTargets,
         targets: Float[Array, "group target 3"],
         shapes: JaxShapes,
         period: Float[Array, ""],
-    ) -> Neighbours:
+    ) -> CloseTargets:
         """The same pairs with the double layer's matrices, for many densities."""
-        pairs = neighbours.pairs
+        pairs = close.pairs
         rows = self.rule.double_layer(
             pairs.points(targets, period), pairs.cell, self.angles[pairs.node], pairs.valid, shapes
         )
-        return Neighbours(pairs, rows)
+        return CloseTargets(pairs, rows)
 
     def velocity(
         self,
-        neighbours: Neighbours,
+        close: CloseTargets,
         targets: Float[Array, "group target 3"],
         sources: Sources,
         period: Float[Array, ""],
     ) -> Float[Array, "group target 3"]:
         """Velocities by the close pairs."""
-        pairs, surface = neighbours.pairs, sources.surface
+        pairs, surface = close.pairs, sources.surface
         assert surface is not None
-        if neighbours.rows is not None and surface.forces is None:
+        if close.rows is not None and surface.forces is None:
             assert surface.densities is not None
-            found = jnp.einsum("pijk,pjk->pi", neighbours.rows, surface.densities[pairs.cell])
+            found = jnp.einsum("pijk,pjk->pi", close.rows, surface.densities[pairs.cell])
         else:
             found = self.rule.velocity(
                 pairs.points(targets, period),

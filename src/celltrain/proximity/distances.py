@@ -12,16 +12,20 @@ wall is negative for a cell that sticks out.
 from dataclasses import dataclass
 from functools import lru_cache
 
-import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
-from celltrain.flow.nearest import NearestPoint, NearestPoints, nearest_point
-from celltrain.harmonics import Shapes, degree_of, displaced_along, real_harmonics, unit_vectors
+from celltrain.harmonics import (
+    Shapes,
+    degree_of,
+    displaced_along,
+    real_harmonics,
+    surface_points,
+    unit_vectors,
+)
 from celltrain.harmonics.grid import sphere_grid
-from celltrain.harmonics.jax_shapes import JaxShape
+from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
 
 # Patches, each finer than the last one by this factor; nodes of one from its middle to its edge.
 LEVELS = 10
@@ -41,7 +45,7 @@ class _Grid:
     directions: Float[np.ndarray, "point 3"]
     values: Float[np.ndarray, "point coefficient"]
     spacing: float
-    method: NearestPoint
+    search: NearestPointSearch
 
 
 @lru_cache(maxsize=4)
@@ -54,14 +58,14 @@ def _grid(degree: int) -> _Grid:
         directions=unit_vectors(*angles.T),
         values=np.asarray(grid.values),
         spacing=np.pi / order,
-        method=nearest_point(degree),
+        search=nearest_point_search(degree),
     )
 
 
 def wall_distance(shapes: Shapes, radius: float) -> Float[np.ndarray, " cell"]:
     """Distance of each cell from the wall of a tube of the given radius, in r0."""
     grid = _grid(degree_of(shapes))
-    points = np.einsum("pk,cik->cpi", grid.values, shapes)
+    points = surface_points(shapes, grid.values)
     at = grid.directions[np.argmax(np.hypot(points[..., 0], points[..., 1]), axis=1)]
     largest = np.zeros(len(shapes))
     for level in range(LEVELS):
@@ -81,20 +85,19 @@ def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
     """
     grid = _grid(degree_of(shapes))
     cells = np.arange(len(shapes))
-    points = np.einsum("pk,cik->cpi", grid.values, shapes)
-    near = _nearest_points(points, length)
-    moved = displaced_along(shapes[near.partner], near.shift)
-    ours, theirs = np.zeros((2, len(shapes), 3))
-    for cell, (these, those) in enumerate(zip(near.points, near.partner_points, strict=True)):
-        found = _from_surface(
-            grid.method,
-            jnp.asarray(points[cell, these]),
-            jnp.asarray(moved[cell]),
-            jnp.asarray(grid.angles[those]),
-        )
-        best = int(np.argmin(np.abs(found.distance)))
-        ours[cell] = grid.directions[these[best]]
-        theirs[cell] = unit_vectors(float(found.theta[best]), float(found.phi[best]))
+    points = surface_points(shapes, grid.values)
+    closest = _closest_points(points, length)
+    moved = displaced_along(shapes[closest.partner], closest.shift)
+    angles, distance = nearest_points(
+        grid.search,
+        points[cells[:, None], closest.points].reshape(-1, 3),
+        np.repeat(cells, STARTS),
+        moved,
+        grid.angles[closest.partner_points.ravel()],
+    )
+    best = np.argmin(np.abs(distance.reshape(-1, STARTS)), axis=1)
+    ours = grid.directions[closest.points[cells, best]]
+    theirs = unit_vectors(*angles.reshape(-1, STARTS, 2)[cells, best].T)
     smallest = np.zeros(len(shapes))
     for level in range(LEVELS):
         size = grid.spacing * FINER ** (level + 1)
@@ -109,19 +112,8 @@ def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
     return smallest
 
 
-@eqx.filter_jit
-def _from_surface(
-    method: NearestPoint,
-    points: Float[Array, "start 3"],
-    shape: JaxShape,
-    guesses: Float[Array, "start 2"],
-) -> NearestPoints:
-    shapes = jnp.broadcast_to(shape, (points.shape[0], *shape.shape))
-    return method(points, shapes, guesses)
-
-
 @dataclass(frozen=True)
-class _Nearest:
+class _Closest:
     """For each cell the nearest other one, its axial shift, and close pairs of points of both."""
 
     partner: Int[np.ndarray, " cell"]
@@ -130,7 +122,7 @@ class _Nearest:
     partner_points: Int[np.ndarray, "cell start"]
 
 
-def _nearest_points(points: Float[np.ndarray, "cell point 3"], length: float) -> _Nearest:
+def _closest_points(points: Float[np.ndarray, "cell point 3"], length: float) -> _Closest:
     """Search the points of the grid, pairs of cells whose spheres are closest first."""
     cells = len(points)
     centres = points.mean(axis=1)
@@ -167,7 +159,7 @@ def _nearest_points(points: Float[np.ndarray, "cell point 3"], length: float) ->
         if found < smallest[q]:
             smallest[q], partner[q], shift[q] = found, p, -move
             close[q], partner_close[q] = other, closest
-    return _Nearest(partner, shift, close, partner_close)
+    return _Closest(partner, shift, close, partner_close)
 
 
 def _patch(middle: Directions, spacing: float) -> Float[np.ndarray, "cell node 3"]:

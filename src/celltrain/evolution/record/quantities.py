@@ -1,8 +1,10 @@
 """The quantities of a simulation's file: name, symbol, unit, meaning, dimensions."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import get_type_hints
 
 from celltrain.diagnostics import FRAME_QUANTITIES
+from celltrain.evolution.state import Measures
 
 #: Column of the history, in its order: symbol, unit, meaning. In files they begin with "step_".
 STEP_QUANTITIES: dict[str, tuple[str, str, str]] = {
@@ -89,19 +91,12 @@ def _quantities() -> dict[str, Attributes]:
         "shapes": (shape, "r0", "shapes, mean points within the train's length"),
         "laps": (("cell",), "1", "lengths of the train that each cell is put back by"),
         "rates": (shape, "U", "rates of change in the frame of the steady train"),
-        "direction": (shape, "1", "last direction of the power iteration"),
         "time": ((), "r0/U", "time"),
-        "step": ((), "r0/U", "next step"),
-        "last_step": ((), "r0/U", "last step"),
-        "last_error": ((), "1", "estimated error of the last step over what was allowed"),
-        "radius": ((), "U/r0", "spectral radius"),
-        "radius_age": ((), "1", "steps since it was estimated"),
-        "steps": ((), "1", "steps so far"),
-        "rejected": ((), "1", "steps rejected so far"),
-        "evaluations": ((), "1", "evaluations of the velocity so far"),
-        "gap": ((), "r0", "thinnest film within the range of the repulsion"),
         "wall_gap": ((), "r0", "smallest distance of cells for which the wall is resolved"),
     }
+    for each in fields(Measures):
+        _, unit, text = STEP_QUANTITIES[each.name]
+        state[each.name] = ((), unit, text)
     found |= {
         f"state_{name}": Attributes(dims, unit, "", f"state to go on from: {text}")
         for name, (dims, unit, text) in state.items()
@@ -111,3 +106,15 @@ def _quantities() -> dict[str, Attributes]:
 
 #: Every variable that a simulation adds to the file of the result that it started from.
 RUN_QUANTITIES: dict[str, Attributes] = _quantities()
+
+
+def memory_quantities(memory: type) -> dict[str, Attributes]:
+    """Variables for the memory of a method, which is a dataclass of this class."""
+    hints = get_type_hints(memory, include_extras=True)
+    about = {each.name: hints[each.name].__metadata__[0] for each in fields(memory)}
+    return {
+        f"memory_{name}": Attributes(
+            each.dims, each.unit, "", f"memory of the method: {each.meaning}"
+        )
+        for name, each in about.items()
+    }

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.evolution.dynamics import train_dynamics
-from celltrain.evolution.run import Run
+from celltrain.evolution.record.run import Run
 from celltrain.evolution.wall_resolution import LARGEST, SMALLEST, followed
 from celltrain.train import TrainOperator
 

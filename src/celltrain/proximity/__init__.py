@@ -1,0 +1,11 @@
+"""How close cells are to each other, to points, and to the wall. Terms are those of the glossary.
+
+- `nearest`: the point of a surface nearest to a given one, by Newton's method; all else searches
+  with it;
+- `boxes`: which cells and images can be within a distance at all;
+- `close_pairs`: targets too close to a cell for its ordinary grid, inside programs of JAX;
+- `overlaps`: cells that intersect each other or the wall;
+- `film_points`: points of membranes in thin films, and the nearest points across them;
+- `distances`: of each cell from the nearest other one, and from the wall;
+- `meridian`: gaps and clearances of axisymmetric cells; needs no JAX.
+"""
