@@ -25,7 +25,7 @@ import jax.numpy as jnp
 import jax.scipy.linalg
 from jaxtyping import Array, Float
 
-from celltrain.flow.sources import UNFOLD
+from celltrain.compiled.kernels import UNFOLD
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.train.gmres import Convergence, gmres
 
