@@ -13,8 +13,8 @@ from page import DOTS_PER_INCH, FOLDER, Page, plain_figure
 from rich.console import Console
 
 from celltrain import Run, Stability, Train, evolve, stability
+from celltrain.cli.simulation_progress import SimulationReporter
 from celltrain.evolution import Disturbance, Leading, Transient, linear_prediction
-from celltrain.evolution.report import SimulationReporter
 from celltrain.harmonics import azimuthal_basis
 from celltrain.stability import PaperNorm, neutral_space, normed_blocks, propagator_norm
 

@@ -12,7 +12,7 @@ from celltrain.evolution.ending import Ending, StepFailed
 from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import March, Progress
-from celltrain.evolution.methods import Integrator, Manner, RungeKuttaChebyshev, Step, Work
+from celltrain.evolution.methods import Manner, Method, RungeKuttaChebyshev, Step, Work
 from celltrain.evolution.record.archive import Archive
 from celltrain.evolution.record.quantities import STEP_QUANTITIES
 from celltrain.evolution.record.run import Run
@@ -35,7 +35,7 @@ def evolve(
     *,
     until: float,
     degree: int | None = None,
-    integrator: Integrator | None = None,
+    integrator: Method | None = None,
     repulsion: Repulsion | None = None,
     every: float = EVERY,
     path: str | Path | None = None,
