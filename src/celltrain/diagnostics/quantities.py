@@ -64,7 +64,8 @@ FRAME_QUANTITIES: dict[str, Quantity] = {
         f"energy_{part}": Quantity(  # W_s of E_s.
             f"W{(symbol(KEPT[modulus]) or part)[1:]}",
             "mu U r0^2",
-            f"strain energy of {part} (Eq. 23), the part with the {part} modulus",
+            f"strain energy of {part} (Eq. 23), the part with the {part} modulus"
+            + (", not a number for bending moments" if part == "bending" else ""),
             ("cell",),
         )
         for part, modulus in ENERGY_PARTS.items()
