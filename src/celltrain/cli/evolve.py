@@ -25,16 +25,16 @@ from celltrain.cli.simulation_progress import SimulationReporter
 from celltrain.contract import presentation
 from celltrain.evolution import (
     Disturbance,
+    FastestAtFirst,
     ForwardEuler,
     FromFile,
     Leading,
-    Mode,
+    NumberedMode,
     RandomDisplacement,
     Repulsion,
     Run,
     RungeKuttaChebyshev,
     StepFailed,
-    Transient,
     resume,
 )
 from celltrain.evolution import evolve as simulate
@@ -205,9 +205,13 @@ def parse_disturbance(text: str, amplitude: float | None) -> Disturbance:
     name, _, number = text.partition(":")
     size = DEFAULT_AMPLITUDE if amplitude is None else amplitude
     if text in ("leading", "transient"):
-        return Leading(size) if text == "leading" else Transient(size)
+        return Leading(size) if text == "leading" else FastestAtFirst(size)
     if (name == "mode" and number.isdecimal()) or (name == "random" and number.isdecimal()):
-        return Mode(int(number), size) if name == "mode" else RandomDisplacement(size, int(number))
+        return (
+            NumberedMode(int(number), size)
+            if name == "mode"
+            else RandomDisplacement(size, int(number))
+        )
     if text == "random":
         return RandomDisplacement(size)
     if Path(text).suffix in (".nc", ".npy"):
@@ -255,7 +259,7 @@ def _start(
     known = None if base is None or source is None else read_result(source, "case")
     if isinstance(known, Stability) and train == known.base.train.changed(degree=degree):
         return known, degree
-    linear = isinstance(disturbance, Leading | Mode | Transient)
+    linear = isinstance(disturbance, Leading | NumberedMode | FastestAtFirst)
     if linear:
         check_linearisable(train, None)
     with Reporter(errors, quiet=quiet) as reporter:

@@ -38,7 +38,7 @@ class Status:
     seconds: float
 
 
-Progress = Callable[[Status], None]
+SimulationProgress = Callable[[Status], None]
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class March:
         *,
         archive: Archive | None,
         save_seconds: float,
-        progress: Progress | None,
+        progress: SimulationProgress | None,
     ) -> None:
         self._run, self._dynamics, self._prediction = run, dynamics, prediction
         self._archive, self._save_seconds, self._progress = archive, save_seconds, progress
