@@ -85,8 +85,7 @@ dynamics. Expected: at most {EXPECTED:g}.
         begun, name = time.perf_counter(), json.dumps(case)
         if name not in known:
             known[name] = differences(case).tolist()
-            FILE.write_text(json.dumps(known, indent=1) + "
-")
+            FILE.write_text(json.dumps(known, indent=1) + "\n")
         found = np.max(known[name], axis=0)
         worst = max(worst, float(found.max()))
         words = [f"D = {case['diameter']}, packing {case['packing']}"]
