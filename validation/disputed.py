@@ -50,7 +50,7 @@ HEADINGS = {
 SYMBOLS = {RATIO: r"$\lambda$", CAPILLARY: "Ca", VOLUME: "$v$"}
 PACKINGS = (0.2, 0.7)
 #: Dense trains in stronger flow than this are long to find, and do not converge: see Fig. 16.
-STRONGEST_DENSE = 4.0
+STRONGEST_DENSE = 2.0
 #: Degrees that are drawn.
 SHOWN = (12, 16, 24, 48)
 

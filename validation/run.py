@@ -4,8 +4,8 @@
     python validation/run.py breakup --simulate NAME
 
 Every study writes a page and a figure into docs/validation and states what is expected. Without
-names all of them run, which takes about half an hour on two cores, but for `breakup`, which
-takes hours and runs when it is named.
+names all of them run, which takes an hour or two on two cores if nothing is kept, but for
+`breakup`, which takes hours and runs when it is named.
 """
 
 import argparse

@@ -57,27 +57,12 @@ def draw_curves(
                 f"{LABELS.get(key, key)} = {value:g}" for key, value in chosen.items()
             )
             color = f"C{number}"
+            style: Style = {"color": color, "capsize": 2, "linewidth": 1.2, "label": words or None}
             if name == PAPER:
-                label = f"{words}, {RESOLUTION[name]}".lstrip(", ")
-                style: Style = {
-                    "marker": marker,
-                    "mfc": "none",
-                    "ms": 5,
-                    "ls": "none",
-                    "color": color,
-                }
-                axes.plot(at[along].values, at.values, label=label, **style)
-                continue
+                style |= {"fmt": marker, "mfc": "none", "ms": 5, "elinewidth": 0.6}
+                style["label"] = f"{words}, {RESOLUTION[name]}".lstrip(", ")
             known = None if bars is None else np.nan_to_num(bars.sel(chosen).values)
-            axes.errorbar(
-                at[along].values,
-                at.values,
-                known,
-                color=color,
-                capsize=2,
-                linewidth=1.2,
-                label=words or None,
-            )
+            axes.errorbar(at[along].values, at.values, known, **style)
         if others and legend:
             axes.legend(fontsize=6.5, frameon=False)
 

@@ -16,6 +16,8 @@ POSITIVE = 3
 MOST, FAR = 0.9, 10.0
 #: Limits of the two pictures, in the paper's unit: the whole, and what is near zero.
 WHOLE, NEAR = (-120.0, 5.0), (-0.6, 0.25)
+#: Least half height of the latter: frequencies that are zero to rounding are drawn as zero.
+LEAST_HEIGHT = 0.1
 
 
 def compute(degree: int | None) -> xr.Dataset:
@@ -55,7 +57,7 @@ def draw(data: Resolutions, path: Path) -> Path:
             axes.plot(real, imaginary, "o" if name == PAPER else ".", label=LABELS[name], **style)
         axes.axvline(0.0, color="0.6", linewidth=0.8, zorder=0)
         axes.set(xlim=limits, xlabel=r"$\mathrm{Re}\,\lambda\; r_0/U^*$")
-    top = 1.3 * max(_height(each, NEAR) for _, each in present(data)) or 1.0
+    top = max(LEAST_HEIGHT, *(1.3 * _height(each, NEAR) for _, each in present(data)))
     panels[1].set_ylim(-top, top)
     panels[0].set_ylabel(r"$\mathrm{Im}\,\lambda\; r_0/U^*$")
     panels[0].legend(fontsize=8, frameon=False, loc="upper left")

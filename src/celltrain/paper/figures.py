@@ -104,6 +104,10 @@ def draw_transient_map(data: Resolutions, path: Path) -> Path:
     return _draw(eta, np.arange(10.0, 101.0, 6.0), CONTOURS, r"$\eta\, r_0/U^*$", path)
 
 
+#: Color of the contours at the other resolution.
+OTHER = "#D55E00"
+
+
 def _draw(
     maps: dict[str, xr.DataArray],
     levels: np.ndarray,
@@ -122,16 +126,15 @@ def _draw(
         lines = axes.contour(
             *grid,
             levels=contours,
-            colors="k" if number == 0 else "w",
+            colors="k" if number == 0 else OTHER,
             linestyles="solid" if number == 0 else "dashed",
             linewidths=0.9,
         )
         if number == 0:
             axes.clabel(lines, fontsize=8)
             mark_cases(axes, values)
-        axes.plot(
-            [], [], "k-" if number == 0 else "k--", linewidth=0.9, label=RESOLUTION_LABELS[name]
-        )
+        color, style = ("k", "-") if number == 0 else (OTHER, "--")
+        axes.plot([], [], style, color=color, linewidth=0.9, label=RESOLUTION_LABELS[name])
     figure.colorbar(filled, ax=axes, label=label)
     axes.set(xlabel=r"$\phi$", ylabel=r"$D/r_0$")
     figure.legend(loc="outside upper left", ncols=2, fontsize=8, frameon=False)

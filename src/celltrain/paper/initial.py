@@ -23,7 +23,7 @@ EARLY, TENFOLD = 0.4, (5.0, 20.0)
 #: When v_eta falls below v_alpha in the paper (its unit of time), within a factor.
 CROSSING, FACTOR = 0.2, 2.0
 #: Cells of the trains whose eta is compared, and by how much it may differ.
-LENGTHS, LENGTH_LEEWAY = (4, 8, 16), 0.02
+LENGTHS, LENGTH_LEEWAY = (4, 8, 16), 0.05
 CASES = {
     "fig4": (("N = 2, packing 0.2, viscosity ratio 5", 2, 0.2, 5.0),),
     "fig9": (
@@ -147,8 +147,15 @@ def _draw(data: Resolutions, amplitude: float, path: Path) -> Path:
                 else:
                     axes.plot(time, size, color=color, label=words)
             if name == present(data)[0][0]:
-                bound = amplitude * np.exp(float(at["numerical_abscissa"]) * at["time"].values[1:])
-                axes.plot(time, bound, "k:", linewidth=0.8, label=r"$\exp\,\eta t$")
+                powers = float(at["numerical_abscissa"]) * at["time"].values[1:]
+                early = powers < 5.0
+                axes.plot(
+                    time[early],
+                    amplitude * np.exp(powers[early]),
+                    "k:",
+                    linewidth=0.8,
+                    label=r"$\exp\,\eta t$",
+                )
         axes.set(xscale="log", yscale="log", ylim=(0.1 * amplitude, 30.0 * amplitude))
         axes.set(xlabel=r"$t\, U^*/r_0$", ylabel=r"$\varepsilon/r_0$", xlim=(1e-3, 1e2))
         axes.set_title(f"{axes.get_title()}  {case}", fontsize=9)

@@ -16,8 +16,8 @@ from celltrain.steady import Base
 #: What is varied about the usual cell: Ca as the paper counts it, and the reduced volume.
 VARIED = (
     ("Ca = 0.66, v = 0.64", 0.66, None),
+    ("Ca = 2, v = 0.64", 2.0, None),
     ("Ca = 4, v = 0.64", 4.0, None),
-    ("Ca = 10, v = 0.64", 10.0, None),
     ("Ca = 0.66, v = 0.5", 0.66, 0.5),
     ("Ca = 0.66, v = 0.8", 0.66, 0.8),
 )

@@ -76,7 +76,7 @@ def draw_over_ratio(data: Resolutions, path: Path) -> Path:
             found = rate(turning, name)
             for place, diameter in enumerate(found.diameter.values):
                 curve = at(found, diameter=diameter)
-                words = f"{label}, D = {diameter:g}"
+                words = rf"{label}, $D/r_0$ = {diameter:g}"
                 color = f"C{place}"
                 other.plot(curve.viscosity_ratio, curve, style, color=color, lw=1.0, label=words)
         other.set(ylabel=r"$|\omega|$, $|\Omega - \omega|$  ($U^*/r_0^2$)", ylim=(0.0, None))
