@@ -36,7 +36,7 @@ COMMANDS = {
     "command": Command(STABILITY),
     "command.accurate": Command(("stability", *CASE, "--json")),
     "command.empty": Command(STABILITY, compiled=False, repeated=False),
-    "command.infinite": Command(("stability", "--infinite", *CASE, "--degree", "12", "--json")),
+    "command.infinite": Command(("infinite", *CASE, "--degree", "12", "--json")),
     "command.help": Command(("--help",)),
     "map": Command(("paper", "fig6", "--resolution", "paper", *TWO_WORKERS), repeated=False),
     "map.converged": Command(("paper", "fig6", *TWO_WORKERS), repeated=False),

@@ -93,7 +93,7 @@ CASES = (
     _command("command", "celltrain stability, degree 12", 5, 2.0, "38"),
     _command("command.accurate", "  to an accuracy of 1 %", 5, 4.0),
     _command("command.empty", "  degree 12, nothing compiled", 2, 15.0, "110"),
-    _command("command.infinite", "  --infinite, degree 12", 5),
+    _command("command.infinite", "celltrain infinite, degree 12", 5),
     _command("command.help", "celltrain --help", 5, 0.5),
     _meridian("base", "steady train from rest", 5, None, "4.9"),
     _meridian("base.24", "  degree 24", 3),

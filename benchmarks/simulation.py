@@ -29,7 +29,8 @@ from rich.table import Table
 from celltrain import Run, Train, evolve, stability, steady
 from celltrain.evolution import ForwardEuler, Integrator, Leading, RungeKuttaChebyshev
 from celltrain.evolution.dynamics import Dynamics, train_dynamics
-from celltrain.evolution.interpolation import interpolated
+from celltrain.evolution.methods import ChebyshevMemory, EulerMemory, Memory
+from celltrain.evolution.record.interpolation import interpolated
 from celltrain.evolution.state import State
 
 RESULTS = Path(__file__).resolve().parent / "simulation.csv"
@@ -67,15 +68,22 @@ def past_the_transients() -> Run:
 
 
 def march(
-    dynamics: Dynamics, method: Integrator, begin: State, window: float, dense: int = 1
+    dynamics: Dynamics,
+    method: Integrator,
+    begin: State,
+    memory: Memory,
+    window: float,
+    dense: int = 1,
 ) -> March:
     """March through a window; eps also at `dense` - 1 times within each step."""
     shapes = dynamics.continuous(begin.shapes, begin.laps)
-    times, eps, state = [0.0], [size(dynamics, shapes)], begin
+    times, eps, state, evaluations = [0.0], [size(dynamics, shapes)], begin, 0
     reset_peak()
     started = time.perf_counter()
     while state.time - begin.time < window:
-        after, _ = method.advance(dynamics, state)
+        step = method.advance(dynamics, state, memory)
+        after, memory = step.state, step.memory
+        evaluations += step.work.evaluations
         behind = dynamics.continuous(after.shapes, after.laps)
         ends = (state.time, shapes, state.rates), (after.time, behind, after.rates)
         for at in np.linspace(state.time, after.time, dense + 1)[1:]:
@@ -83,7 +91,6 @@ def march(
             eps.append(size(dynamics, interpolated(float(at), *ends)))
         state, shapes = after, behind
     seconds = time.perf_counter() - started
-    evaluations = state.evaluations - begin.evaluations
     return March(np.array(times), np.array(eps), seconds, evaluations, peak_mib())
 
 
@@ -93,10 +100,10 @@ def size(dynamics: Dynamics, shapes: np.ndarray) -> float:
     return float(np.sqrt(np.sum(np.asarray(dynamics.weights) * change**2)))
 
 
-def with_step(state: State, tolerance: float) -> State:
-    """The state with a step for another tolerance: errors of a step fall as its third power."""
+def with_step(memory: ChebyshevMemory, tolerance: float) -> ChebyshevMemory:
+    """The memory with a step for another tolerance: errors of a step fall as its third power."""
     factor = (tolerance / TOLERANCES[0]) ** (1.0 / 3.0)
-    return replace(state, step=factor * state.step, last_step=0.0, last_error=0.0)
+    return replace(memory, step=factor * memory.step, last_step=0.0, last_error=0.0)
 
 
 def error(found: March, reference: March) -> float:
@@ -122,30 +129,38 @@ def main() -> None:
     # What is compiled is not measured.
     dynamics.settle(dynamics.rates(state.shapes) + state.shapes)
     errors.print(f"from t = {state.time:.0f} r0/U")
-    methods: dict[str, tuple[Integrator, State, float]] = {
+    assert isinstance(run.memory, ChebyshevMemory)
+    methods: dict[str, tuple[Integrator, State, Memory, float]] = {
         f"Runge-Kutta-Chebyshev, tolerance {tolerance:g}": (
             RungeKuttaChebyshev(tolerance),
-            with_step(state, tolerance),
+            state,
+            with_step(run.memory, tolerance),
             options.window,
         )
         for tolerance in TOLERANCES
     }
     # Euler's time is the number of its steps times their size.
-    still = replace(state, time=0.0, steps=0)
+    still = replace(state, time=0.0)
     methods[f"forward Euler, step {EULER_STEP:g}"] = (
         ForwardEuler(EULER_STEP),
         still,
+        EulerMemory(0),
         options.euler_window,
     )
     marches = {}
-    for name, (method, first, window) in methods.items():
+    for name, (method, first, memory, window) in methods.items():
         with errors.status(name):
-            marches[name] = march(dynamics, method, first, window)
+            marches[name] = march(dynamics, method, first, memory, window)
         errors.print(f"{name}: {marches[name].seconds:.0f} s")
     longest = max(each.length for each in marches.values())
     with errors.status("reference"):
         reference = march(
-            dynamics, RungeKuttaChebyshev(REFERENCE), with_step(state, REFERENCE), longest, dense=8
+            dynamics,
+            RungeKuttaChebyshev(REFERENCE),
+            state,
+            with_step(run.memory, REFERENCE),
+            longest,
+            dense=8,
         )
     results = {name: (each, error(each, reference)) for name, each in marches.items()}
     record(results)

@@ -29,8 +29,8 @@ def dynamics(base: Base) -> Stability:
 
 def show(point: BranchPoint) -> None:
     """One line for each train; the branch has a fold where the slope changes its sign."""
-    assert point.stability is not None
-    leading = point.stability.leading
+    leading = point.leading
+    assert leading is not None
     row = (point.value, point.base.gap, point.base.cell_velocity, leading.growth_rate)
     formats = ("10.4f", "10.4f", "10.5f", "10.2e")
     numbers = "".join(f"{value:{form}}" for value, form in zip(row, formats, strict=True))

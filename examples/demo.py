@@ -33,18 +33,17 @@ from celltrain import (
     Run,
     Stability,
     Train,
+    draw_all,
     evolve,
     paper_units,
-    print_report,
     save,
+    show,
     stability,
 )
 from celltrain.cli.progress import Reporter
+from celltrain.cli.simulation_progress import SimulationReporter
 from celltrain.evolution import Leading
-from celltrain.evolution.report import SimulationReporter, print_run
-from celltrain.pictures import plot_all
-from celltrain.pictures.run import plot_run
-from celltrain.results import verdict
+from celltrain.stability.verdict import verdict
 
 # Of two cells, so that it takes a minute or two; the breakup of eight takes hours.
 SIMULATED = Train(diameter=6, packing=0.2, cells=2, degree=12)
@@ -71,7 +70,7 @@ def keep(result: Stability, folder: Path, errors: Console) -> list[Path]:
     with Reporter(errors, quiet=False) as reporter:
         reporter.log(f"pictures for packing {result.base.train.packing:g}")
         folder.mkdir(parents=True, exist_ok=True)
-        return [save(result, folder / "result.nc"), *plot_all(result, folder)]
+        return [save(result, folder / "result.nc"), *draw_all(result, folder)]
 
 
 def simulate(path: Path, errors: Console) -> Run:
@@ -135,15 +134,15 @@ def main(folder: Path = Path("out/demo")) -> None:
     simulation = folder / "simulation"
     run = simulate(simulation / "run.nc", errors)
     for result in (sparse, dense):
-        print_report(result, output)
+        show(result, output)
         output.print()
-    print_run(run, output)
+    show(run, output)
     output.print(comparison(sparse, dense, run))
     for result in (sparse, dense):
         place = folder / f"phi-{result.base.train.packing:g}"
         for path in keep(result, place, errors):
             output.print(str(path), highlight=False, soft_wrap=True)
-    for path in plot_run(run, simulation):
+    for path in draw_all(run, simulation):
         output.print(str(path), highlight=False, soft_wrap=True)
 
 

@@ -21,8 +21,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from celltrain import Base, Train
-from celltrain.cli.infinite import print_infinite
+from celltrain import Base, Train, save, show
 from celltrain.cli.progress import Reporter
 from celltrain.pictures import draw_dispersion
 from celltrain.stability import distance_to_uniform, infinite_train
@@ -42,9 +41,9 @@ def main(folder: Path = Path("out/infinite_train")) -> None:
                 train, start=start, iteration=reporter.iteration, tell=reporter.log
             )
             start = result.base
-        print_infinite(result, output)
+        show(result, output)
         name = f"phi-{packing:g}"
-        result.to_dataset().to_netcdf(folder / f"{name}.nc", engine="h5netcdf")
+        save(result, folder / f"{name}.nc")
         output.print(str(draw_dispersion(result, folder / f"{name}.png")), highlight=False)
         uniform(start, output)
 

@@ -22,9 +22,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from celltrain import Base, Stability, Train, stability
+from celltrain import Base, Train, stability
 from celltrain.cli.progress import Reporter
-from celltrain.diagnostics import meridional_flow, mode_motion, perturbation_energy, recirculation
+from celltrain.diagnostics import Mechanisms, mechanisms, meridional_flow, recirculation
 from celltrain.pictures import (
     draw_deformation_spectra,
     draw_growth_without_neighbours,
@@ -46,31 +46,27 @@ def main(folder: Path = Path("out/mechanisms")) -> None:
             reporter.log(f"packing {packing:g}")
             result = stability(train, iteration=reporter.iteration, tell=reporter.log)
         name = f"packing {packing:g}"
-        describe(result, name, output)
+        found = mechanisms(result)
+        describe(found, name, output)
         curves[name] = [growth_without_neighbours(result, n) for n in range(5)]
         part = folder / f"phi-{packing:g}"
         part.mkdir(exist_ok=True)
-        draw_strain_energies(result, part / "strain_energies.png")
-        draw_deformation_spectra(result, part / "spectra.png")
-        draw_mode_motions(result, part / "motions.png")
+        draw_strain_energies(found, part / "strain_energies.png")
+        draw_deformation_spectra(found, part / "spectra.png")
+        draw_mode_motions(found, part / "motions.png")
         streamlines(result.base, part, output)
     output.print(str(draw_growth_without_neighbours(curves, folder / "neighbours.png")))
 
 
-def describe(result: Stability, name: str, output: Console) -> None:
+def describe(found: Mechanisms, name: str, output: Console) -> None:
     """Energies of both disturbances by part, and how the leading mode turns the cells."""
-    for shape, words in (
-        (result.shape(result.leading), "leading mode"),
-        (result.transient_shape(), "fastest at first"),
-    ):
-        energy = perturbation_energy(result.base, shape)
-        parts = ", ".join(f"{value:.2e}" for value in energy)
+    for strain in found.strains:
+        parts = ", ".join(f"{part} {value:.2e}" for part, value in strain.energies.items())
         output.print(
-            f"{name}, {words}: strain energy {energy.sum():.2e} mu U r0^2 (shear, dilatation,"
-            f" bending: {parts})",
+            f"{name}, {strain.name}: strain energy {strain.energy:.2e} mu U r0^2 ({parts})",
             highlight=False,
         )
-    turning = mode_motion(result, result.leading)
+    turning = found.modes[0]
     output.print(
         f"{name}, leading mode: tumbling {turning.tumbling:.3g}, tank-treading"
         f" {turning.tank_treading:.3g} U/r0^2",

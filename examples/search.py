@@ -20,9 +20,8 @@ from pathlib import Path
 
 from rich.console import Console
 
-from celltrain import Train, steady
+from celltrain import Train, show, steady
 from celltrain.cli.progress import Reporter
-from celltrain.cli.search import print_search
 from celltrain.continuation import SearchTry, search_trains
 from celltrain.pictures import draw_search
 
@@ -35,12 +34,12 @@ def main(folder: Path = Path("out/search")) -> None:
     with Reporter(Console(stderr=True), quiet=False) as reporter:
         known = steady(TRAIN, progress=reporter.iteration)
 
-        def show(each: SearchTry) -> None:
+        def tell(each: SearchTry) -> None:
             done.append(each)
             reporter.log(f"try {len(done)}: from {each.guess}: {each.outcome}")
 
-        found = search_trains(known, progress=show)
-    print_search(found, output)
+        found = search_trains(known, progress=tell)
+    show(found, output)
     output.print(str(draw_search(found, folder / "search.png")), highlight=False)
 
 

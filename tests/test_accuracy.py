@@ -7,11 +7,11 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from celltrain import CaseError, Stability, Train, load, print_report, save, stability, summary
+from celltrain import CaseError, Stability, Train, load, save, show, stability
 from celltrain.cli import main
+from celltrain.contract import presentation
 from celltrain.stability import NEAR_DOUBLE, check_accuracy, leading_condition
 from celltrain.stability.convergence import AbscissaLadder
-from celltrain.steady.parameters import MODULI
 
 CASE = ["--diameter", "6", "--packing", "0.2", "--cells", "1", "--azimuthal-numbers", "0", "1"]
 NUMBERS = (0, 1, 2, 3)
@@ -20,7 +20,7 @@ NUMBERS = (0, 1, 2, 3)
 def printed(result: Stability) -> str:
     """A result's report in one line."""
     console = Console(file=StringIO(), width=200)
-    print_report(result, console)
+    show(result, console)
     return " ".join(console.file.getvalue().split())  # type: ignore[attr-defined]
 
 
@@ -48,12 +48,12 @@ def test_the_report_says_what_each_degree_gives(left_open: Stability) -> None:
     assert f"degree {degree}; alpha at each degree: " in text
     for each, rate in zip(left_open.convergence.degrees, left_open.convergence.values, strict=True):
         assert f"{rate:.5f} ({each})" in text
-    content = summary(left_open)
-    assert content["degree"] == degree
-    assert content["convergence"] == {
-        "degrees": list(left_open.convergence.degrees),
-        "spectral_abscissas": list(left_open.convergence.values),
-    }
+    content = presentation("stability").summary(left_open)
+    convergence = content["convergence"]
+    assert isinstance(convergence, dict)
+    assert convergence["degree"] == degree
+    assert convergence["degrees"] == list(left_open.convergence.degrees)
+    assert convergence["values"] == list(left_open.convergence.values)
     assert content["error_estimate"] == left_open.error_estimate
     assert content["condition_number"] == leading_condition(left_open)
 
@@ -71,11 +71,12 @@ def test_the_accuracy_is_an_option_of_the_command(capsys) -> None:
         assert main(["stability", *CASE, "--accuracy", accuracy, "--json", "--quiet"]) == 0
         found[accuracy] = json.loads(capsys.readouterr().out)
     low, high = found["0.1"], found["0.01"]
-    assert low["degree"] < high["degree"]
+    assert low["convergence"]["degree"] < high["convergence"]["degree"]
     assert low["convergence"]["degrees"] == high["convergence"]["degrees"][:-1]
     for accuracy, each in found.items():
         assert each["error_estimate"] <= float(accuracy) * each["spectral_abscissa"]
-        assert each["case"]["resolution"]["degree"] == each["degree"]
+        degree = each["base"]["case"]["resolution"]["degree"]
+        assert degree == each["convergence"]["degree"]
         assert each["condition_number"] >= 1.0
     assert main(["stability", *CASE, "--accuracy", "0.1", "--quiet"]) == 0
     text = " ".join(capsys.readouterr().out.split())
@@ -115,7 +116,7 @@ def test_the_error_at_a_given_degree_is_told(diameter: float, packing: float) ->
 def test_closeness_to_a_double_eigenvalue_is_told(left_open: Stability) -> None:
     train = Train(diameter=8, packing=0.2, cells=1, degree=24)
     # A flow 2.8/0.66 times as strong.
-    train = train.changed(**{name: 0.66 / 2.8 * train.leaf(name) for name in MODULI})
+    train = train.changed(capillary_number=2.8 / 0.66 * train.leaf("capillary_number"))
     result = stability(train, azimuthal_numbers=(0, 1), estimate_error=False)
     assert leading_condition(result) > NEAR_DOUBLE
     first, second = [mode for mode in result.modes if not mode.neutral][:2]

@@ -16,17 +16,15 @@ from celltrain.harmonics import (
     coefficients_of,
     profile_of,
 )
-from celltrain.membrane import (
-    AxisymmetricMembrane,
+from celltrain.laws import (
     BendingLaw,
     ConstitutiveLaw,
     ElasticBending,
     HelfrichBending,
     NeoHookean,
     Skalak,
-    axisymmetric_membrane,
-    reference_coefficients,
 )
+from celltrain.membrane import AxisymmetricMembrane, axisymmetric_membrane, reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.membrane.jets import Jet, variables
 

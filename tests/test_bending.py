@@ -10,7 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from celltrain import CaseError, Train
 from celltrain.harmonics import degrees_and_orders
-from celltrain.membrane import ElasticBending, HelfrichBending, Skalak, reference_coefficients
+from celltrain.laws import ElasticBending, HelfrichBending, Skalak
+from celltrain.membrane import reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.train import train_membrane
 

@@ -10,10 +10,13 @@ from importlib import import_module
 import numpy as np
 import pytest
 
+from celltrain.analyses import base as command
 from celltrain.cli import compute, main
 from celltrain.cli.app import COMMANDS
+from celltrain.contract import load
 from celltrain.parameters import Train
-from celltrain.results import load, save
+from celltrain.results import save
+from celltrain.steady import Base, Iteration
 
 CASE = ["--diameter", "6", "--packing", "0.2"]
 
@@ -157,7 +160,7 @@ def test_exit_status_of_the_process():
 def fake_base():
     """A base flow that nobody computed."""
     train = Train(diameter=6, packing=0.2, degree=6)
-    return compute.Base(
+    return Base(
         train=train,
         coefficients=np.zeros((3, 36)),
         cell_velocity=1.5,
@@ -168,8 +171,8 @@ def fake_base():
         truncation_error=1e-4,
         velocity_error=1e-7,
         history=(
-            compute.Iteration("march", 1e-2, 0.5, 1.4),
-            compute.Iteration("newton", 1e-9, math.inf, 1.5),
+            Iteration("march", 1e-2, 0.5, 1.4),
+            Iteration("newton", 1e-9, math.inf, 1.5),
         ),
         origin="made up",
         seconds={"compile": 0.1, "base": 0.2},
@@ -183,7 +186,7 @@ def test_json_is_one_object_and_alone_on_standard_output(fake_base, monkeypatch,
             progress(iteration)
         return fake_base
 
-    monkeypatch.setattr(compute, "steady", steady)
+    monkeypatch.setattr(command, "steady", steady)
     assert main(["base", *CASE, "--json"]) == 0
     printed = capsys.readouterr()
     content = json.loads(printed.out)
@@ -202,7 +205,7 @@ def test_no_convergence_saves_the_last_state(output, fake_base, monkeypatch, tmp
     def fail(train, *, start=None, progress=None):
         raise compute.NotConverged("no steady train within 3 iterations", fake_base)
 
-    monkeypatch.setattr(compute, "steady", fail)
+    monkeypatch.setattr(command, "steady", fail)
     monkeypatch.chdir(tmp_path)
     arguments = ["-o", output] if output else []
     assert main(["base", *CASE, "--json", *arguments]) == 3
@@ -222,7 +225,7 @@ def test_start_gives_the_case_that_options_change(fake_base, monkeypatch, tmp_pa
         seen.append((train, start))
         return fake_base
 
-    monkeypatch.setattr(compute, "steady", steady)
+    monkeypatch.setattr(command, "steady", steady)
     path = tmp_path / "start.nc"
     save(fake_base, path)
     assert main(["base", "--start", str(path), "--packing", "0.5", "--json", "--quiet"]) == 0
@@ -236,7 +239,7 @@ def test_interruption_is_told(monkeypatch, tmp_path, capsys):
     def interrupt(train, *, start=None, progress=None):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(compute, "steady", interrupt)
+    monkeypatch.setattr(command, "steady", interrupt)
     path = tmp_path / "train.nc"
     path.write_text("an older result")
     assert main(["base", *CASE, "-o", str(path)]) == 130
@@ -270,6 +273,7 @@ def test_what_commands_import():
     assert imported(run, "--help") == set()
     assert imported(run, "--version") == set()
     assert imported(run, "case", *CASE) == set()
-    assert not imported("import celltrain.cli.stability") & {"jax", "equinox", "matplotlib"}
+    program = "from celltrain.cli.computations import stability"
+    assert not imported(program) & {"jax", "equinox", "matplotlib"}
     case = [*CASE, "--degree", "6", "--cells", "1", "--error-bars", "1", "--json", "--quiet"]
     assert not imported(run, "stability", *case) & {"jax", "equinox", "matplotlib"}

@@ -6,24 +6,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Train, steady
-from celltrain.cli import branch as command
+from celltrain.analyses import branch as command
 from celltrain.cli import main
 from celltrain.continuation import (
     Branch,
     BranchPoint,
+    CurveEnding,
     CurveLost,
     CurvePoint,
-    Ending,
     Evaluation,
     NoSolution,
     Steps,
     branch,
     trace_curve,
 )
+from celltrain.contract import load
 from celltrain.steady.parameters import parameter_value
 
 STEPS = Steps(first=0.1, largest=0.2, tolerance=1e-10)
@@ -156,7 +156,7 @@ def made_up(single: Base) -> Branch:
         BranchPoint(replace(single, cell_velocity=1.5 + 0.1 * i), value, slope, None)
         for i, (value, slope) in enumerate(zip(values, slopes, strict=True))
     )
-    return Branch("shear_modulus", points, Ending("lost", "the step became too short"))
+    return Branch("shear_modulus", points, CurveEnding("lost", "the step became too short"))
 
 
 def test_command_begins_at_a_flow_of_a_strength(
@@ -202,12 +202,10 @@ def test_command(
     assert main([*case, *along, *files, "--json"]) == 3
     content = json.loads(capsys.readouterr().out)
     assert asked == [(1.25, 1.5)]
-    assert content["values"] == [point.value for point in made_up.points]
+    assert [point["value"] for point in content["points"]] == [p.value for p in made_up.points]
     assert content["folds"] == [1]
     assert content["ending"] == {"kind": "lost", "message": "the step became too short"}
-    with xr.open_dataset(path, engine="h5netcdf") as data:
-        assert_allclose(data["shear_modulus"], content["values"], rtol=0)
-        assert_allclose(data["cell_velocity"], content["cell_velocities"], rtol=0)
+    assert load(path) == made_up
     assert sorted(each.name for each in tmp_path.iterdir()) == ["branch.nc", "branch.png"]
     assert main([*case, *along]) == 3
     printed = capsys.readouterr().out

@@ -24,13 +24,8 @@ from celltrain.diagnostics import (
     isotropic_tension,
 )
 from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis, degrees_and_orders
-from celltrain.membrane import (
-    ConstitutiveLaw,
-    ElasticBending,
-    NeoHookean,
-    Skalak,
-    reference_coefficients,
-)
+from celltrain.laws import ConstitutiveLaw, ElasticBending, NeoHookean, Skalak
+from celltrain.membrane import reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.proximity.distances import cell_distance, wall_distance

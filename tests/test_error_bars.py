@@ -13,18 +13,18 @@ from celltrain import (
     Stability,
     Train,
     load,
-    print_report,
     save,
+    show,
     stability,
     steady,
     summary,
 )
 from celltrain.cli import main
 from celltrain.pictures import draw_error_bars
-from celltrain.results.report import verdict
 from celltrain.stability import ErrorBar, block_spectrum, with_error_bars
 from celltrain.stability.error_bars import LEAST_OVERLAP, _paired
 from celltrain.stability.neutral import NeutralSpace
+from celltrain.stability.verdict import verdict
 from celltrain.steady.solve import at_degree
 
 
@@ -121,10 +121,10 @@ def test_bars_are_kept_and_shown(coarse_stability: Stability, tmp_path: Path) ->
     assert isinstance(again, Stability)
     assert again.error_bars == result.error_bars
     content = summary(result)
-    assert [bar["error"] for bar in content["error_bars"]] == [0.00321, 0.5]
+    assert [bar["total"] for bar in content["error_bars"]] == [0.00321, 0.5]
     assert content["growth_sign"] == result.growth_sign
     console = Console(record=True, width=140)
-    print_report(result, console)
+    show(result, console)
     assert console.export_text().count("0.00321") == 2
 
 

@@ -14,26 +14,26 @@ from celltrain import Base, CaseError, Stability
 from celltrain.diagnostics import disturbance_amplitude
 from celltrain.evolution import (
     Disturbance,
+    FastestAtFirst,
     ForwardEuler,
     FromFile,
     Leading,
-    Mode,
+    NumberedMode,
     RandomDisplacement,
     Repulsion,
     RungeKuttaChebyshev,
-    Transient,
     evolve,
     linear_prediction,
 )
-from celltrain.evolution.chebyshev import (
+from celltrain.evolution.dynamics import Dynamics, train_dynamics
+from celltrain.evolution.methods.chebyshev import (
     chebyshev_step,
     embedded_error,
     largest_stable_step,
     stage_count,
 )
-from celltrain.evolution.dynamics import Dynamics, train_dynamics
-from celltrain.evolution.interpolation import interpolated
-from celltrain.evolution.radius import spectral_radius
+from celltrain.evolution.methods.radius import spectral_radius
+from celltrain.evolution.record.interpolation import interpolated
 from celltrain.evolution.start import at_degree
 from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
 from celltrain.proximity.overlaps import overlaps
@@ -230,7 +230,7 @@ def test_cells_that_leave_the_window_are_put_back(
     assert_allclose(settled.shapes, here, rtol=0, atol=1e-12)
     assert_allclose(dynamics.continuous(settled.shapes, settled.laps), gone, rtol=0, atol=1e-12)
     # The disturbance is that of where the cells have gone: two lengths and one.
-    assert_allclose(settled.eps_x, train.length * np.sqrt(5.0), rtol=2e-2)
+    assert_allclose(settled.measures.eps_x, train.length * np.sqrt(5.0), rtol=2e-2)
     # All moved by a third of the window: the last cell changes ends, the flow is the same.
     moved = here.copy()
     moved[:, 2, 0] += UNIT_DISPLACEMENT * train.period
@@ -247,18 +247,18 @@ def test_volumes_and_what_is_measured(dynamics: Dynamics, coarse_stability: Stab
     volumes = jax.vmap(dynamics.operator.membrane.volume)(jnp.asarray(settled.shapes))
     assert_allclose(volumes, float(dynamics.volume), rtol=1e-8)
     # A swelling by 1 % is taken back along the normal: by about 0.01 times the cell's size.
-    assert 0.005 < settled.volume_correction < 0.03
+    assert 0.005 < settled.measures.volume_correction < 0.03
     steady = dynamics.settle(np.asarray(dynamics.base))
-    assert steady.volume_correction < 1e-10
-    assert steady.eps < 1e-9
-    assert settled.energy > steady.energy > 0.0
+    assert steady.measures.volume_correction < 1e-10
+    assert steady.measures.eps < 1e-9
+    assert settled.measures.energy > steady.measures.energy > 0.0
     sphere = 4 * np.pi * len(shapes)
-    assert steady.area > sphere
+    assert steady.measures.area > sphere
     moved = np.asarray(dynamics.base).copy()
     moved[1, 0, 0] += 0.3 * UNIT_DISPLACEMENT
     shifted = dynamics.settle(moved)
-    assert_allclose(shifted.eps_x, 0.3, rtol=1e-9)
-    assert_allclose(shifted.eps, 0.3 * np.sqrt(2.0), rtol=1e-9)
+    assert_allclose(shifted.measures.eps_x, 0.3, rtol=1e-9)
+    assert_allclose(shifted.measures.eps, 0.3 * np.sqrt(2.0), rtol=1e-9)
 
 
 def test_the_amplitude_is_the_norm_of_the_paper(coarse_stability: Stability) -> None:
@@ -278,8 +278,8 @@ def test_the_amplitude_is_the_norm_of_the_paper(coarse_stability: Stability) -> 
     [
         Leading(0.1),
         Leading(0.02, phase=1.0),
-        Mode(5, 0.3),
-        Transient(1e-3),
+        NumberedMode(5, 0.3),
+        FastestAtFirst(1e-3),
         RandomDisplacement(0.2),
     ],
 )
@@ -291,16 +291,18 @@ def test_disturbances_have_the_amplitude_asked_for(coarse_stability, disturbance
 
 def test_modes_as_disturbances(coarse_stability: Stability) -> None:
     first = next(mode for mode in coarse_stability.modes if not mode.neutral)
-    assert_array_equal(Leading(0.1).shapes(coarse_stability), Mode(1, 0.1).shapes(coarse_stability))
+    assert_array_equal(
+        Leading(0.1).shapes(coarse_stability), NumberedMode(1, 0.1).shapes(coarse_stability)
+    )
     assert Leading(0.1).growth_rate(coarse_stability) == first.growth_rate
     fifth = [mode for mode in coarse_stability.modes if not mode.neutral][4]
-    assert Mode(5, 0.1).growth_rate(coarse_stability) == fifth.growth_rate
-    along = np.vdot(Mode(5, 1.0).shapes(coarse_stability), coarse_stability.shape(fifth))
-    sizes = [np.linalg.norm(each(coarse_stability)) for each in (Mode(5, 1.0).shapes,)]
+    assert NumberedMode(5, 0.1).growth_rate(coarse_stability) == fifth.growth_rate
+    along = np.vdot(NumberedMode(5, 1.0).shapes(coarse_stability), coarse_stability.shape(fifth))
+    sizes = [np.linalg.norm(each(coarse_stability)) for each in (NumberedMode(5, 1.0).shapes,)]
     assert_allclose(along, sizes[0] * np.linalg.norm(coarse_stability.shape(fifth)), rtol=1e-12)
     for number in (0, 10000):
         with pytest.raises(CaseError, match=f"mode {number} .* allowed: 1 to"):
-            Mode(number, 0.1).shapes(coarse_stability)
+            NumberedMode(number, 0.1).shapes(coarse_stability)
     with pytest.raises(CaseError, match="its stability is needed"):
         Leading(0.1).shapes(coarse_stability.base)
     with pytest.raises(CaseError, match=r"amplitude = -1"):
@@ -347,7 +349,7 @@ def test_linear_prediction_of_a_mode_and_of_the_transient(coarse_stability: Stab
         assert_allclose(size, begin * np.exp(rate * times), rtol=1e-8)
     # At first the transient grows at the numerical abscissa, and nothing else does.
     step = 1e-5
-    transient = linear_prediction(coarse_stability, Transient(1.0).shapes(coarse_stability))
+    transient = linear_prediction(coarse_stability, FastestAtFirst(1.0).shapes(coarse_stability))
     growth = (transient.eps(step) - transient.eps(0.0)) / step
     assert_allclose(growth, coarse_stability.numerical_abscissa, rtol=1e-3)
     few = dataclasses.replace(coarse_stability, azimuthal_numbers=(1,))
@@ -388,8 +390,8 @@ def test_large_and_small_steps_agree(single: Base) -> None:
     ]
     adaptive, euler = (run.disturbances[-1] for run in runs)
     assert np.linalg.norm(adaptive - euler) < 2e-3 * np.linalg.norm(euler)
-    assert runs[1].state.evaluations == 81
-    assert runs[0].state.evaluations < 60
+    assert runs[1].work.evaluations == 81
+    assert runs[0].work.evaluations < 60
     assert runs[0].history["volume_correction"][1:].max() < 1e-5
     assert runs[1].history["volume_correction"][1:].max() < 1e-5
 

@@ -29,5 +29,6 @@ def test_no_jax_is_imported(name: str) -> None:
 def test_commands_do_not_wait_for_what_they_may_not_need(name: str) -> None:
     """Files, pictures and optimisation each take a good part of a second to load."""
     later = {"xarray", "matplotlib", "scipy.optimize", "scipy.interpolate"}
-    program = f"import sys, celltrain.cli.{name}; assert not {later!r} & set(sys.modules)"
+    program = f"import sys; from celltrain.cli.computations import {name}"
+    program += f"; assert not {later!r} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", program], check=True)

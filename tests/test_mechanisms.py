@@ -7,7 +7,16 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability
-from celltrain.diagnostics import MeridionalFlow, meridional_flow, recirculation
+from celltrain.contract import load
+from celltrain.diagnostics import (
+    MeridionalFlow,
+    deformation_spectrum,
+    mechanisms,
+    meridional_flow,
+    mode_motion,
+    perturbation_energy,
+    recirculation,
+)
 from celltrain.meridian.geometry import meridian_points
 from celltrain.pictures import (
     draw_deformation_spectra,
@@ -16,6 +25,7 @@ from celltrain.pictures import (
     draw_strain_energies,
     draw_streamlines,
 )
+from celltrain.results import save
 from celltrain.stability import (
     blocks_without_neighbours,
     growth_without_neighbours,
@@ -116,5 +126,19 @@ def test_no_turning_fluid(coarse_base: Base) -> None:
 
 
 def test_pictures_of_mechanisms(coarse_stability: Stability, tmp_path: Path) -> None:
+    found = mechanisms(coarse_stability)
+    assert load(save(found, tmp_path / "found.nc")) == found
+    leading, transient = found.strains
+    shape = coarse_stability.transient_shape()
+    assert_allclose(
+        list(transient.energies.values()), perturbation_energy(coarse_stability.base, shape)
+    )
+    assert_allclose(transient.spectrum, deformation_spectrum(shape))
+    assert found.leading_energy == leading.energy == sum(leading.energies.values())
+    motion = mode_motion(coarse_stability, coarse_stability.leading)
+    assert (found.modes[0].tumbling, found.modes[0].tank_treading) == (
+        motion.tumbling,
+        motion.tank_treading,
+    )
     for draw in (draw_strain_energies, draw_deformation_spectra, draw_mode_motions):
-        assert draw(coarse_stability, tmp_path / "picture.png").stat().st_size > 10_000
+        assert draw(found, tmp_path / "picture.png").stat().st_size > 10_000

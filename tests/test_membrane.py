@@ -12,13 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from celltrain.harmonics import degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
-from celltrain.membrane import (
-    ConstitutiveLaw,
-    ElasticBending,
-    NeoHookean,
-    Skalak,
-    reference_coefficients,
-)
+from celltrain.laws import ConstitutiveLaw, ElasticBending, NeoHookean, Skalak
+from celltrain.membrane import reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
 
 DEGREE = 8

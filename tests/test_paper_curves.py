@@ -10,14 +10,14 @@ from celltrain.paper import FIGURES, paper_study
 from celltrain.paper.cell_volume import family
 from celltrain.paper.flow_strength import in_paper_axes
 from celltrain.parameters import paper_units
-from celltrain.study import study_dataset
+from celltrain.study import collect
 
 STUDIES = ("fig13", "fig14", "fig16", "fig19")
 
 
 def as_printed(name: str) -> xr.Dataset:
     """A study whose numbers are as the paper describes them."""
-    data = study_dataset(paper_study(FIGURES[name], quick=False), {})
+    data = collect(paper_study(FIGURES[name], quick=False), {}).data
     everywhere = xr.zeros_like(data["spectral_abscissa"]).fillna(0.0)
     dense = data.packing > 0.5
     rates: dict[str, xr.DataArray] = {}
@@ -69,7 +69,7 @@ def test_the_studies_have_what_the_statements_need(name: str) -> None:
 
 
 def test_the_strength_of_the_flow_is_the_papers() -> None:
-    data = in_paper_axes(study_dataset(paper_study(FIGURES["fig16"], quick=False), {}))
+    data = in_paper_axes(collect(paper_study(FIGURES["fig16"], quick=False), {}).data)
     assert data.Ca.values == pytest.approx([0.4, 0.66, 1, 2, 4, 6, 10, 20.5])
     assert data.diameter.values == pytest.approx([8, 10])
     cases = paper_study(FIGURES["fig16"], quick=False).cases
@@ -85,12 +85,12 @@ def test_curves_as_the_paper_describes_them(name: str, tmp_path: Path) -> None:
     found = verdicts(name, data)
     assert found
     assert all(found)
-    path = FIGURES[name].draw(data, tmp_path / f"{name}.png")
+    path = FIGURES[name].draw({"converged": data, "paper": data}, tmp_path / f"{name}.png")
     assert path.stat().st_size > 10_000
     # With nothing computed nothing is known, and the picture is empty.
-    nothing = study_dataset(paper_study(FIGURES[name], quick=True), {})
+    nothing = collect(paper_study(FIGURES[name], quick=True), {}).data
     assert set(verdicts(name, nothing)) == {None}
-    FIGURES[name].draw(nothing, tmp_path / "empty.png")
+    FIGURES[name].draw({"paper": nothing}, tmp_path / "empty.png")
 
 
 @pytest.mark.parametrize(
@@ -115,9 +115,8 @@ def test_each_statement_can_fail(name, quantity, where, factor, fails) -> None:
     assert {index for index, holds in enumerate(found) if not holds} == fails
 
 
-def test_the_family_of_shapes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("celltrain.paper.cell_volume.QUICK_DEGREE", 8)
-    data = family(True)
+def test_the_family_of_shapes(tmp_path: Path) -> None:
+    data = family(8)
     names = [each.name for each in FIGURES["fig17"].findings(data)]
     assert names == ["P26"] * 3
     assert verdicts("fig17", data)[0]
@@ -127,4 +126,4 @@ def test_the_family_of_shapes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert float(data["thickness"][-1]) == pytest.approx(float(height), rel=1e-5)
     # Without repulsion faces meet at a volume at which ours act.
     assert 0.4 < data["contact"] < 0.6
-    assert FIGURES["fig17"].draw(data, tmp_path / "family.png").stat().st_size > 10_000
+    assert FIGURES["fig17"].draw({"paper": data}, tmp_path / "family.png").stat().st_size > 10_000

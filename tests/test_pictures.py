@@ -7,6 +7,7 @@ import pytest
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
+from celltrain.contract import draw_all
 from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.pictures import (
     draw_base_train,
@@ -14,7 +15,6 @@ from celltrain.pictures import (
     draw_profile,
     draw_spectrum,
     draw_transient_mode,
-    plot_all,
 )
 from celltrain.pictures.camera import Camera
 from celltrain.pictures.disturbance import draw_amplitude, turned
@@ -44,15 +44,17 @@ def side_camera() -> Camera:
     return Camera(np.zeros(3), distance=30.0, yaw=0.0, elevation=0.0)
 
 
-def test_plot_all_of_a_base(make_base: Callable[..., Base], tmp_path: Path) -> None:
-    paths = plot_all(make_base(), tmp_path / "new" / "folder")
+def test_all_pictures_of_a_base(make_base: Callable[..., Base], tmp_path: Path) -> None:
+    paths = draw_all(make_base(), tmp_path / "new" / "folder")
     assert [path.stem for path in paths] == ["base_train", "profile"]
     for path in paths:
         assert_picture(path)
 
 
-def test_plot_all_of_a_stability(make_stability: Callable[..., Stability], tmp_path: Path) -> None:
-    paths = plot_all(make_stability(), tmp_path)
+def test_all_pictures_of_a_stability(
+    make_stability: Callable[..., Stability], tmp_path: Path
+) -> None:
+    paths = draw_all(make_stability(), tmp_path)
     assert [path.stem for path in paths] == [
         "base_train",
         "profile",
@@ -86,7 +88,7 @@ def test_settings_of_matplotlib_are_left_alone(
     make_stability: Callable[..., Stability], tmp_path: Path
 ) -> None:
     before = dict(mpl.rcParams)
-    plot_all(make_stability(), tmp_path)
+    draw_all(make_stability(), tmp_path)
     assert dict(mpl.rcParams) == before
 
 

@@ -21,11 +21,11 @@ from celltrain.evolution import (
     evolve,
     resume,
 )
-from celltrain.evolution.chebyshev import chebyshev_step
 from celltrain.evolution.dynamics import Dynamics, train_dynamics
-from celltrain.evolution.films import FilmForces, film_forces
-from celltrain.evolution.report import run_summary
-from celltrain.evolution.runge_kutta_chebyshev import GAP_SHARE
+from celltrain.evolution.films.forces import FilmForces, film_forces
+from celltrain.evolution.methods.chebyshev import chebyshev_step
+from celltrain.evolution.methods.runge_kutta_chebyshev import GAP_SHARE
+from celltrain.evolution.record.repulsion import repulsion_record
 from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.proximity.distances import cell_distance
@@ -262,8 +262,9 @@ def test_within_the_range_a_step_errs_by_part_of_the_gap_and_runs_go_on_bit_for_
     evolve(close, FromFile(start), most_steps=2, path=path, **settings)
     again = resume(path, most_steps=2)
     assert Run.load(path).repulsion == again.repulsion == Repulsion(0.02, 0.05)
-    for name, value in vars(whole.state).items():
-        assert_array_equal(value, getattr(again.state, name), err_msg=name)
+    for one, other in ((whole.state, again.state), (whole.memory, again.memory)):
+        for name, value in vars(one).items():
+            assert_array_equal(value, getattr(other, name), err_msg=name)
     for name in whole.history.keys() - {"wall_seconds"}:
         assert_array_equal(whole.history[name], again.history[name], err_msg=name)
     history = whole.history
@@ -273,7 +274,7 @@ def test_within_the_range_a_step_errs_by_part_of_the_gap_and_runs_go_on_bit_for_
     # What is called the energy is that of the membranes.
     elastic = sum(whole.frames[f"energy_{part}"] for part in ("shear", "dilatation", "bending"))
     assert_allclose(history["energy"][0], elastic[0].sum(), rtol=1e-10)
-    record = run_summary(whole)["repulsion"]
+    record = repulsion_record(whole)
     assert record["range"] == 0.02
     assert record["since"] == 0.0
     assert record["duration"] == pytest.approx(whole.state.time)
@@ -288,11 +289,11 @@ def test_a_steady_train_within_the_range_is_refused(close: Base) -> None:
 
 
 def test_a_long_euler_step_across_a_film_is_an_overlap(close: Base, dynamics: Dynamics) -> None:
-    state, _ = ForwardEuler(1.0).begin(dynamics, side_by_side(dynamics, 0.02))
+    state, method = dynamics.state(0.0, side_by_side(dynamics, 0.02)), ForwardEuler(1.0)
     closing = np.zeros_like(state.rates)
     closing[:, 0, 0] = UNIT_DISPLACEMENT * np.array([0.1, -0.1])
     with pytest.raises(StepFailed, match="membranes cross") as failure:
-        ForwardEuler(1.0).advance(dynamics, dataclasses.replace(state, rates=closing))
+        method.advance(dynamics, dataclasses.replace(state, rates=closing), method.begin(state))
     assert failure.value.kind == "overlap"
 
 

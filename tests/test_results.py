@@ -1,7 +1,8 @@
 import json
 import os
+import re
 from collections.abc import Callable
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -9,21 +10,18 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from jaxtyping import Complex, Float
 from rich.console import Console
 
-from celltrain.results import (
-    QUANTITIES,
-    attributes,
-    dataset,
-    load,
-    print_registry,
-    print_report,
-    quantity,
-    save,
-    summary,
-    verdict,
-)
+from celltrain import load, show
+from celltrain.contract import kinds, presentation
+from celltrain.quantities import Record, equal, quantities, quantity_of
+from celltrain.quantities.fields import hints
+from celltrain.results import from_dataset, save, summary, to_dataset
+from celltrain.results.columns import from_variables, to_variables, walk
+from celltrain.results.netcdf import FORM
 from celltrain.stability import Stability
+from celltrain.stability.verdict import verdict
 from celltrain.steady import Base
 
 
@@ -52,6 +50,8 @@ def assert_identical(first: Any, second: Any, where: str = "result") -> None:
             assert_identical(*pair, f"{where}[{place}]")
     elif isinstance(first, float):
         assert first.hex() == second.hex(), where
+    elif isinstance(first, complex):
+        assert (first.real.hex(), first.imag.hex()) == (second.real.hex(), second.imag.hex()), where
     else:
         assert first == second, where
 
@@ -73,62 +73,120 @@ def test_stability_survives_a_file_bit_for_bit(
     assert_identical(load(save(result, tmp_path / "result.nc")), result)
 
 
-def test_every_variable_has_an_entry_in_the_registry(
+def test_every_number_of_a_file_says_what_it_is(
     make_stability: Callable[..., Stability], tmp_path: Path
 ) -> None:
     path = save(make_stability(), tmp_path / "result.nc")
+    known = {name: quantity_of(kind, field).meaning for name, kind, field in walk(Stability)}
     seen = set()
     with xr.open_dataset(path, engine="h5netcdf") as data:
         for name, variable in data.variables.items():
-            entry = quantity(str(name))
-            seen.add(entry.name)
-            assert variable.attrs["units"] == entry.unit
-            assert variable.attrs["long_name"].startswith(entry.description)
-            assert len(variable.dims) == len(entry.dims)
-    assert seen == set(QUANTITIES), "the registry lists what no file holds"
+            stem = re.sub(r"(_m\d\d)?(_real|_imag)?$", "", str(name))
+            if stem not in known:
+                # How parts are counted and named.
+                assert re.search("_(count|key|train)$", stem), name
+                continue
+            seen.add(stem)
+            assert variable.attrs["units"] == known[stem].unit
+            assert variable.attrs["long_name"].startswith(known[stem].description)
+            assert variable.attrs["symbol"] == known[stem].symbol
+    # What consists of further fields has no variable of its own.
+    assert set(known) - seen == {"modes", "error_bars"}
 
 
-def test_every_field_of_a_result_is_written(make_stability: Callable[..., Stability]) -> None:
-    result = make_stability()
-    written = {quantity(str(name)).name for name in dataset(result).variables}
-    in_attributes = {"train", "origin"}
-    renamed = {"seconds": "base_seconds", "history": "history_step"}
-    for field in fields(Base):
-        if field.name not in in_attributes:
-            assert renamed.get(field.name, field.name) in written
-    renamed = {
-        "modes": "mode_growth_rate",
-        "transient": "transient_vector",
-        "error_bars": "bar_mode",
-        "convergence": "convergence_abscissas",
-    }
-    for field in fields(Stability):
-        if field.name != "base":
-            assert renamed.get(field.name, field.name) in written
+@pytest.mark.parametrize("kind", kinds())
+def test_every_number_of_every_result_has_a_meaning(kind: str) -> None:
+    result = presentation(kind).result
+    assert result.kind == kind
+    assert result.title
+    assert result.__doc__
+    for name, owner, field in walk(result):
+        meaning = quantity_of(owner, field).meaning
+        assert meaning.description, name
+        assert not meaning.description.endswith("."), name
+    for each in {owner for _, owner, _ in walk(result)}:
+        for field, (hint, meaning) in hints(each).items():
+            number = hint in (int, float, bool, complex) or hasattr(hint, "dim_str")
+            assert meaning is not None or not number, f"{each.__name__}.{field}"
 
 
-@pytest.mark.parametrize(
-    "name", ["nonsense", "blocks", "gap_real", "blocks_m00", "coefficients_m01"]
-)
-def test_unknown_variables_are_refused(name: str) -> None:
-    if name == "blocks":
-        assert quantity(name).is_complex
-    else:
-        with pytest.raises(KeyError, match=name):
-            quantity(name)
-
-
-def test_attributes_say_which_part() -> None:
-    found = attributes("blocks_m03_imag")
+def test_attributes_say_which_part(make_stability: Callable[..., Stability]) -> None:
+    found = to_dataset(make_stability())["blocks_m02_imag"].attrs
     assert found["units"] == "U/r0"
-    assert found["long_name"].endswith("azimuthal number m = 3, imaginary part")
+    assert found["long_name"].endswith("azimuthal number m = 2, imaginary part")
+
+
+def test_results_compare_equal(make_stability: Callable[..., Stability]) -> None:
+    result = make_stability()
+    assert result == make_stability()
+    assert result.base == result.base
+    assert result != make_stability(growth=0.3)
+    nan = replace(result.base, gap=float("nan"))
+    assert nan == replace(nan)
+    assert nan != result.base
+    assert not equal(np.array([1.0, 2.0]), np.array([1.0, np.nan]))
+
+
+@dataclass(frozen=True)
+class Part:
+    """With everything that a result may consist of."""
+
+    name: str
+    values: Float[np.ndarray, " any"]
+    wave: Complex[np.ndarray, " any"]
+    number: float | None
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Whole(Record):
+    """Parts, by name, by number, one after another, and of several kinds."""
+
+    parts: tuple[Part, ...]
+    named: dict[str, Part]
+    numbered: dict[int, tuple[Part, ...]]
+    either: Part | Base
+    pair: tuple[float, int]
+    nothing: Part | None
+    flag: bool
+    place: complex
+
+
+def test_what_results_consist_of_survives(make_base: Callable[..., Base]) -> None:
+    random = np.random.default_rng(3)
+
+    def part(size: int, number: float | None) -> Part:
+        wave = random.normal(size=size) + 1j * random.normal(size=size)
+        return Part(f"p{size}", random.normal(size=size), wave, number, ("a",) * size)
+
+    for either in (part(2, 1.0), make_base()):
+        whole = Whole(
+            parts=(part(3, None), part(1, -0.0), part(0, 2.5)),
+            named={"two words": part(2, 1.5), "": part(2, None)},
+            numbered={0: (), 7: (part(1, 1.0), part(2, 2.0))},
+            either=either,
+            pair=(0.1, 3),
+            nothing=None,
+            flag=True,
+            place=complex(-0.0, float("nan")),
+        )
+        assert_identical(from_variables(Whole, to_variables(whole)), whole)
+
+
+def test_what_has_no_form_in_files_is_refused() -> None:
+    @dataclass(frozen=True)
+    class Odd:
+        what: set[int]
+
+    with pytest.raises(TypeError, match=r"what: .* has no form in files"):
+        to_variables(Odd({1}))
 
 
 def test_file_describes_itself(make_stability: Callable[..., Stability], tmp_path: Path) -> None:
     path = save(make_stability(), tmp_path / "result.nc")
     with xr.open_dataset(path, engine="h5netcdf") as data:
         assert data.attrs["kind"] == "stability"
-        assert "diameter = 6.0" in data.attrs["case"]
+        assert "diameter = 6.0" in str(data["base_train"].values)
         assert data.attrs["celltrain_version"]
         assert "r0" in data.attrs["units"]
 
@@ -162,40 +220,49 @@ def test_foreign_file_is_refused(tmp_path: Path) -> None:
         load(path)
 
 
-def test_a_file_of_an_older_version_says_what_it_lacks(
+def test_a_file_of_another_version_says_so(
     make_stability: Callable[..., Stability], tmp_path: Path
 ) -> None:
-    data = dataset(make_stability()).drop_vars("convergence_degrees")
+    data = to_dataset(make_stability())
     data.attrs["celltrain_version"] = "0.0.9"
-    data.to_netcdf(tmp_path / "old.nc", engine="h5netcdf")
+    path = tmp_path / "other.nc"
+    data.drop_vars("convergence_degrees").to_netcdf(path, engine="h5netcdf")
     with pytest.raises(OSError, match=r"celltrain 0\.0\.9 and lacks .*convergence_degrees"):
-        load(tmp_path / "old.nc")
+        load(path)
+    for form, words in ((FORM - 1, "an older form .* computed anew"), (FORM + 1, "a newer form")):
+        data.assign_attrs(form=form).to_netcdf(path, engine="h5netcdf")
+        with pytest.raises(OSError, match=rf"celltrain 0\.0\.9 in {words}"):
+            load(path)
+    data.assign_attrs(kind="riddle").to_netcdf(path, engine="h5netcdf")
+    with pytest.raises(ValueError, match="kind 'riddle'; known are: base, boundary"):
+        load(path)
+    with pytest.raises(ValueError, match="it holds no base, but: stability"):
+        from_dataset(Base, data)
 
 
 def test_summary_is_json_with_the_promised_keys(
     make_stability: Callable[..., Stability],
 ) -> None:
     result = make_stability()
-    content = json.loads(json.dumps(summary(result), allow_nan=False))
+    found = presentation("stability").summary(result)
+    content = json.loads(json.dumps(found, allow_nan=False))
     assert set(content) >= {
-        "cell_velocity",
-        "gap",
-        "largest_radius",
-        "effective_viscosity",
-        "residual",
+        "base",
         "spectral_abscissa",
         "numerical_abscissa",
         "leading_modes",
         "seconds",
         "error_estimate",
-        "degree",
         "convergence",
         "condition_number",
-        "case",
+        "kind",
         "version",
     }
+    assert {name for name, known in quantities(Base).items() if not known.bulky} < set(
+        content["base"]
+    )
     assert set(content["seconds"]) == {"compile", "base", "linearise", "spectrum", "total"}
-    assert content["case"]["train"] == {"packing": 0.2, "cells": 4}
+    assert content["base"]["case"]["train"] == {"packing": 0.2, "cells": 4}
     modes = content["leading_modes"]
     assert len(modes) >= 20
     assert set(modes[0]) >= {
@@ -210,7 +277,7 @@ def test_summary_is_json_with_the_promised_keys(
     assert rates == sorted(rates, reverse=True)
 
 
-def test_summary_has_null_for_what_is_no_number(make_base: Callable[..., Base]) -> None:
+def test_summary_has_null_for_what_is_not_finite(make_base: Callable[..., Base]) -> None:
     base = replace(make_base(), gap=float("nan"), residual=np.float64("inf"))
     content = json.loads(json.dumps(summary(base), allow_nan=False))
     assert content["gap"] is None
@@ -247,14 +314,7 @@ def test_verdict_needs_growth_above_its_error(
 @pytest.mark.parametrize("cells", [1, 2, 5])
 def test_report_says_what_matters(cells: int, make_stability: Callable[..., Stability]) -> None:
     console = Console(file=StringIO(), width=120)
-    print_report(make_stability(cells=cells), console)
+    show(make_stability(cells=cells), console)
     text = console.file.getvalue()  # type: ignore[attr-defined]
     for words in ("D = 6 r0", "1.77200", "Unstable", "0.01170", "0.11700", "neutral: rotation"):
         assert words in text
-
-
-def test_registry_prints_every_quantity() -> None:
-    console = Console(file=StringIO(), width=200)
-    print_registry(console)
-    text = console.file.getvalue()  # type: ignore[attr-defined]
-    assert all(name in text for name in QUANTITIES)

@@ -1,6 +1,7 @@
 """Rooms of the package stand in the order in which data pass them; imports point one way."""
 
 import ast
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,8 @@ ROOMS = (
     "environment",
     "clock",
     "runtime",
+    "laws",
+    "quantities",
     "parameters",
     "harmonics",
     "membrane",
@@ -27,14 +30,17 @@ ROOMS = (
     "train",
     "diagnostics",
     "results",
+    "contract",
     "evolution",
     "study",
     "pictures",
+    "analyses",
     "paper",
     "cli",
 )
 #: What the main job passes through; none of it imports JAX.
 WITHOUT_JAX = (
+    "laws",
     "parameters",
     "harmonics",
     "membrane",
@@ -91,3 +97,24 @@ def test_the_main_job_names_no_jax() -> None:
         if room(path) in WITHOUT_JAX and str(path.relative_to(SOURCE)) not in WITH_JAX:
             names = {each.split(".")[0] for each in imported(path)}
             assert not names & {"jax", "equinox", "jaxlib"}, path
+
+
+def module(path: Path) -> str:
+    parts = ("celltrain", *path.relative_to(SOURCE).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def test_no_modules_import_each_other() -> None:
+    """Nor in a circle, wherever in a file they do it; a package counts for its own file."""
+    known = {module(path): path for path in files()}
+    graph: dict[str, set[str]] = {}
+    for name, path in known.items():
+        graph[name] = set()
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Import):
+                graph[name] |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                inner = {f"{node.module}.{alias.name}" for alias in node.names}
+                graph[name] |= inner & known.keys() or {node.module}
+        graph[name] &= known.keys() - {name}
+    TopologicalSorter(graph).prepare()

@@ -10,27 +10,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 
+from celltrain.contract import draw_all, load
 from celltrain.parameters import CaseError, Train
-from celltrain.pictures.study import draw_study
+from celltrain.results import save
 from celltrain.steady import Base, NotConverged
 from celltrain.study import (
-    STUDY_QUANTITIES,
     Computed,
     Outcome,
     StabilityOfCase,
     Store,
     Study,
     WorkersLost,
+    collect,
     make_study,
     read_study,
     run_study,
-    save_dataset,
-    study_dataset,
-    table,
 )
-from celltrain.study.collect import NUMBERS
+from celltrain.study.columns import COLUMNS, WORDS
 from celltrain.study.engine import compute_case
 
 GRID = {
@@ -315,7 +312,8 @@ def test_a_dead_worker_fails_its_case_and_a_lost_scheduler_none(
 
 def test_results_over_the_axes(study, cheap, tmp_path: Path) -> None:
     records = run(study, tmp_path, replace(cheap, failing=(7.0,)))
-    data = study_dataset(study, records)
+    result = collect(study, records)
+    data = result.data
     alpha = data["spectral_abscissa"]
     assert alpha.dims == ("diameter", "packing")
     assert float(alpha.sel(diameter=8, packing=0.4)) == pytest.approx(3.2)
@@ -327,19 +325,18 @@ def test_results_over_the_axes(study, cheap, tmp_path: Path) -> None:
         ["failed"] * 2,
         ["finished"] * 2,
     ]
-    for name in (*NUMBERS, "status", "reason", "origin"):
-        assert data[name].attrs["units"] == STUDY_QUANTITIES[name].unit
-    path = save_dataset(data, tmp_path / "study.nc")
-    with xr.open_dataset(path, engine="h5netcdf") as read:
-        xr.testing.assert_identical(read.load(), data)
-    lines = table(study, records).splitlines()
+    meanings = {name: each.meaning for name, each in COLUMNS.items()} | WORDS
+    for name, meaning in meanings.items():
+        assert data[name].attrs["units"] == meaning.unit
+    assert load(save(result, tmp_path / "study.nc")) == result
+    lines = result.table().splitlines()
     assert lines[0].startswith("| diameter | packing | alpha, U/r0 |")
     assert "| 8 | 0.4 | 3.20e+00 |" in lines[7]
     assert lines[4].startswith("| 7 | 0.2 |  |")
     assert lines[-2] == "- diameter = 7, packing = 0.2: NotConverged: no steady train: not today"
-    partial = study_dataset(study, {(0, 0): records[0, 0]})
+    partial = collect(study, {(0, 0): records[0, 0]}).data
     assert (partial["status"] == "not computed").sum() == 5
-    assert [path.name for path in draw_study(data, tmp_path)] == ["spectral_abscissa.png"]
+    assert [path.name for path in draw_all(result, tmp_path)] == ["spectral_abscissa.png"]
 
 
 def test_a_real_study(tmp_path: Path, coarse_base: Base) -> None:
@@ -358,7 +355,7 @@ def test_a_real_study(tmp_path: Path, coarse_base: Base) -> None:
     with ThreadPoolExecutor(1) as executor:
         computation = StabilityOfCase(study.computed)
         records = run_study(study, tmp_path, computation, executor, lambda: 1)
-    data = study_dataset(study, records)
+    data = collect(study, records).data
     assert data["status"].values.tolist() == ["finished"] * 2
     assert float(data["cell_velocity"][0]) == pytest.approx(coarse_base.cell_velocity, abs=1e-9)
     assert str(data["origin"][1].values).startswith("continuation from shear_modulus")
@@ -383,7 +380,7 @@ def test_a_case_without_a_degree_gets_one(tmp_path: Path) -> None:
     base = Store(tmp_path, computation.settings).base(study.cases[1].train)
     assert base.train.degree == record.values["taken_degree"] >= 16
     assert record.values["error_estimate"] <= 0.01 * record.values["spectral_abscissa"]
-    assert f"| {base.train.degree} |" in table(study, records)
+    assert f"| {base.train.degree} |" in collect(study, records).table()
 
 
 def test_workers_need_no_jax() -> None:

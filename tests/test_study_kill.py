@@ -13,9 +13,10 @@ from typing import Any
 
 import pytest
 
-from celltrain.results import load, save
+from celltrain.contract import load
+from celltrain.results import save
 from celltrain.steady import Base
-from celltrain.study import Record
+from celltrain.study import CaseRecord
 
 pytest.importorskip("distributed")
 psutil = pytest.importorskip("psutil")
@@ -62,7 +63,7 @@ import sys
 from pathlib import Path
 
 if __name__ == "__main__":
-    from celltrain.results import load
+    from celltrain.contract import load
     from celltrain.study import local_workers, make_study, run_study, scheduled_workers
     from slow import Slow
 
@@ -82,11 +83,11 @@ def started(folder: Path) -> list[tuple[str, int]]:
     return [(line.split()[0], int(line.split()[1])) for line in lines]
 
 
-def records(folder: Path) -> dict[float, Record]:
+def records(folder: Path) -> dict[float, CaseRecord]:
     """All records of the folder by diameter; each must be whole, with its steady train."""
     found = {}
     for path in (folder / "cases").glob("*.json"):
-        record = Record.model_validate_json(path.read_text())
+        record = CaseRecord.model_validate_json(path.read_text())
         if record.status == "finished":
             load(path.with_suffix(".nc"))
         found[record.case["tube"]["diameter"]] = record

@@ -15,7 +15,7 @@ from celltrain.cli import main, study_run
 from celltrain.parameters import Train
 from celltrain.steady import Base, NotConverged
 from celltrain.study import Computed, Outcome, Workers, WorkersLost
-from celltrain.study.collect import NUMBERS
+from celltrain.study.columns import COLUMNS
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Cheap:
     def __call__(self, train: Train, start: Base | None) -> Outcome:
         if train.tube.diameter == self.diameter:
             raise self.error("no steady train", self.base)
-        values = dict.fromkeys(NUMBERS, 1.0) | {"error_estimate": math.nan}
+        values = dict.fromkeys(COLUMNS, 1.0) | {"error_estimate": math.nan}
         return Outcome(replace(self.base, train=train), values)
 
 

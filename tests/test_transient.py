@@ -10,8 +10,9 @@ from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability
 from celltrain.cli import main
-from celltrain.cli import transient as command
+from celltrain.contract import analysis, load
 from celltrain.pictures import draw_transient_growth
+from celltrain.results import save
 from celltrain.stability import (
     NORMS,
     Norm,
@@ -190,11 +191,12 @@ def test_what_is_refused(coarse_stability: Stability) -> None:
 def test_picture(coarse_stability: Stability, tmp_path) -> None:
     growth = transient_growth(coarse_stability, until=5.0, samples=12)
     assert draw_transient_growth(growth, tmp_path / "growth.png").stat().st_size > 10_000
+    assert load(save(growth, tmp_path / "growth.nc")) == growth
 
 
 def test_command(coarse_stability, monkeypatch, tmp_path, capsys) -> None:
     result = replace(coarse_stability)
-    monkeypatch.setattr(command, "stability", lambda train, **_: result)
+    monkeypatch.setattr(analysis, "stability", lambda train, **_: result)
     case = ["transient", "--diameter", "6", "--packing", "0.3", "--cells", "3", "--degree", "6"]
     arguments = ["--norm", "surface", "--until", "4", "--plot", str(tmp_path), "--quiet"]
     assert main([*case, *arguments, "--json"]) == 0

@@ -20,10 +20,10 @@ import celltrain.environment  # noqa: F401  (first: what libraries read when loa
 from celltrain.parameters import CaseError, Train, load_case, paper_units
 
 if TYPE_CHECKING:
+    from celltrain.contract import draw_all, load, show
     from celltrain.evolution.evolve import evolve, resume
-    from celltrain.evolution.run import Run
-    from celltrain.results import load, print_report, save
-    from celltrain.results.summary import summary
+    from celltrain.evolution.record.run import Run
+    from celltrain.results import save, summary
     from celltrain.stability import Mode, Stability, stability
     from celltrain.steady import Base, NotConverged, steady
     from celltrain.train.fluid_velocity import fluid_velocity
@@ -38,22 +38,24 @@ __all__ = [
     "Run",
     "Stability",
     "Train",
+    "draw_all",
     "evolve",
     "fluid_velocity",
     "load",
     "load_case",
     "paper_units",
-    "print_report",
     "resume",
     "save",
+    "show",
     "stability",
     "steady",
     "summary",
 ]
 
 _LATER = {
+    "contract": ("draw_all", "load", "show"),
     "evolution": ("Run", "evolve", "resume"),
-    "results": ("load", "print_report", "save", "summary"),
+    "results": ("save", "summary"),
     "stability": ("Mode", "Stability", "stability"),
     "steady": ("Base", "NotConverged", "steady"),
     "train": ("fluid_velocity",),

@@ -1,8 +1,9 @@
 """The commands and their options, and what the exit status says.
 
 0: done; 2: bad input, with a message and nothing written; 3: the steady train did not converge,
-with its history, the last state saved, or cases of a study failed; 4: the workers of a study were
-lost; 130: interrupted.
+with its history, the last state saved, or cases of a study failed; 4: something was lost: a file or
+picture that was asked for could not be written (the result is printed), or the workers of a study
+went away; 130: interrupted.
 
 Commands are imported when they are run, so that help and bad input need not wait for them.
 """
@@ -14,15 +15,14 @@ from cyclopts import App, CycloptsError
 from rich.console import Console
 
 from celltrain.cli.failure import CommandFailed
+from celltrain.contract.catalogue import first_lines
 from celltrain.parameters import CaseError
 
 BAD_INPUT = 2
 INTERRUPTED = 130
 
-#: Command -> its function and the first line of that function's docstring.
-COMMANDS = {
-    "base": ("base:base", "Compute the steady train alone."),
-    "branch": ("branch:branch", "Follow the steady trains along a parameter, through folds."),
+#: Commands that are no analyses: function, and the first line of that function's docstring.
+OTHERS = {
     "case": (
         "case:case",
         "Print the complete case as TOML, dimensionless: what a computation would use.",
@@ -35,31 +35,24 @@ COMMANDS = {
         "paper:paper",
         "Compute or resume one of the paper's figures, draw it, and check the paper's statements.",
     ),
-    "plot": (
-        "plot:plot",
-        "Draw a result or a simulation: growth beside theory, the cells at chosen times, a film.",
-    ),
-    "search": (
-        "search:search",
-        "Search for further steady trains of a case, by deflation of those that are known.",
-    ),
-    "sensitivity": (
-        "sensitivity:sensitivity",
-        "Compute how a growth rate changes with the train's parameters, and where it is made.",
-    ),
-    "stability": (
-        "stability:stability",
-        "Compute the steady train and its linear stability: growth rates, modes, transient growth.",
+    "plot": ("plot:plot", "Draw what a file holds: any result, a simulation, its film."),
+    "show": (
+        "show:show",
+        "Print the report of a result in a file again, without computing anything.",
     ),
     "sweep": (
         "sweep:sweep",
         "Run or resume a study: the stability of trains over ranges of their parameters.",
     ),
-    "transient": (
-        "transient:transient",
-        "Compute the transient growth of disturbances: how much, when, and of which.",
-    ),
 }
+#: Every command: its function, and its line of help.
+COMMANDS = dict(
+    sorted(
+        (
+            OTHERS | {name: (f"computations:{name}", line) for name, line in first_lines().items()}
+        ).items()
+    )
+)
 
 app = App(
     name="celltrain",

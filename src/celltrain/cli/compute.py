@@ -1,34 +1,29 @@
-"""The commands that compute: from a checked case to a report, a file, pictures, or JSON."""
+"""The one way of a command that computes: from a checked case to report, file and pictures."""
 
-import json
-import math
+import json as json_module
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import redirect_stdout
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from celltrain.cli.outputs import check_folder, check_output, last_state_path
 from celltrain.cli.progress import Reporter
+from celltrain.contract import Analysis, load, presentation
+from celltrain.contract.files import draw_each
+from celltrain.contract.tables import titled
 from celltrain.parameters import CaseError, Train, merge_case, read_case
-from celltrain.results import print_report, summary
-from celltrain.stability import (
-    ACCURACY,
-    Stability,
-    check_accuracy,
-    check_count,
-    check_linearisable,
-    stability,
-    with_error_bars,
-)
-from celltrain.steady import Base, Iteration, NotConverged, steady
+from celltrain.quantities import Record
+from celltrain.results import replace_file
+from celltrain.steady import Base, NotConverged
 
 #: Exit status of a computation that did not converge.
 NOT_CONVERGED = 3
+#: Exit status when something that was asked for could not be written; the result was printed.
+NOT_KEPT = 4
 
 
 @dataclass(frozen=True)
@@ -43,33 +38,20 @@ class Request:
     quiet: bool = False
 
 
-def run(
-    request: Request,
-    leaves: Mapping[str, Any],
-    *,
-    stable: bool,
-    azimuthal_numbers: Sequence[int] | None = None,
-    error_bars: int | None = None,
-    accuracy: float = ACCURACY,
-) -> int:
-    """Compute the steady train, and its stability if ``stable``; return the exit status.
+def run(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Any]) -> int:
+    """Compute what is asked for, show it and keep it; return the exit status.
 
     Raises:
         CaseError: for anything in the request that is not allowed, before computing.
     """
-    case = read_case(request.case) if request.case else None
-    start = read_start(request.start) if request.start else None
-    train = read_train(case, start, leaves)
-    if stable:
-        check_linearisable(train, azimuthal_numbers)
-        check_accuracy(accuracy)
-        if error_bars is not None:
-            check_count(error_bars)
+    train, start = read_request(request, {**analysis.leaves(), **leaves})
+    if leaves.get("units") == "SI":
+        analysis = analysis.dimensionless(train.scales)
+    analysis.check(train)
     if request.output:
         check_output(request.output)
     if request.plot:
         check_folder(request.plot)
-
     errors = Console(stderr=True)
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr), Reporter(errors, quiet=request.quiet) as reporter:
@@ -78,29 +60,31 @@ def run(
             f"train of {train.cells} cells, packing {train.packing:g}, in a tube of diameter"
             f" {train.tube.diameter:g} r0" + ("" if degree is None else f", degree {degree}")
         )
-        result: Base | Stability
         try:
-            if stable:
-                result = stability(
-                    train,
-                    start=start,
-                    accuracy=accuracy,
-                    azimuthal_numbers=azimuthal_numbers,
-                    estimate_error=error_bars is None,
-                    progress=reporter.share,
-                    iteration=reporter.iteration,
-                    tell=reporter.log,
-                )
-            else:
-                result = steady(train, start=start, progress=reporter.iteration)
+            result = analysis.compute(train, start, reporter)
         except NotConverged as failure:
             return describe_failure(failure, errors, request.output)
-        if error_bars is not None and isinstance(result, Stability):
-            reporter.log("error bars: higher degrees, then finer rules")
-            result = with_error_bars(result, count=error_bars)
-        _keep(result, request, reporter)
-    _show(result, as_json=request.json)
-    return 0
+    print_result(result, as_json=request.json)
+    kept = keep(result, request, errors)
+    return analysis.status(result) or (0 if kept else NOT_KEPT)
+
+
+def read_request(request: Request, leaves: Mapping[str, Any]) -> tuple[Train, Base | None]:
+    """The case that a request means, and the steady train to start from if there is one.
+
+    Raises:
+        CaseError: for what is not allowed.
+    """
+    case, start = request.case, request.start
+    if case is not None and case.suffix == ".nc":
+        if start is not None:
+            raise CaseError(
+                f"case = {str(case)!r} is not allowed with start = {str(start)!r}: both hold a"
+                " steady train; allowed: one of them, or a case file (.toml)"
+            )
+        case, start = None, case
+    known = read_start(start) if start else None
+    return read_train(read_case(case) if case else None, known, leaves), known
 
 
 def read_train(
@@ -125,52 +109,85 @@ def read_start(path: Path) -> Base:
     Raises:
         CaseError: if there is none.
     """
+    result = read_result(path, "start")
+    return presentation(result.kind).steady_train(result)
+
+
+def read_result(path: Path, name: str) -> Record:
+    """What a file holds; `name` is that of the option or argument in messages.
+
+    Raises:
+        CaseError: if there is no such file, or it holds no result.
+    """
     if not path.is_file():
-        raise CaseError(f"start = {str(path)!r} cannot be read: there is no such file")
-    # Files take half a second to load.
-    from celltrain.results import load
-
+        raise CaseError(f"{name} = {str(path)!r} cannot be read: there is no such file")
     try:
-        result = load(path)
+        return load(path)
     except (OSError, ValueError) as error:
-        raise CaseError(f"start = {str(path)!r} is no result of celltrain: {error}") from None
-    return result if isinstance(result, Base) else result.base
+        raise CaseError(f"{name} = {str(path)!r} is no result of celltrain: {error}") from None
 
 
-def _keep(result: Base | Stability, request: Request, reporter: Reporter) -> None:
+def print_result(result: Record, *, as_json: bool) -> None:
+    """Print the report of a result, or its JSON."""
+    shown = presentation(result.kind)
+    if as_json:
+        print(json_module.dumps(shown.summary(result), indent=2, allow_nan=False))
+    else:
+        shown.report(result, Console())
+
+
+def keep(result: Record, request: Request, errors: Console) -> bool:
+    """Save and draw what was asked for; say what could not be, and return whether all was kept."""
+    from celltrain.results import save  # files take half a second to load
+
+    def say(message: str) -> None:
+        errors.print(message, markup=False, highlight=False, soft_wrap=True)
+
+    def tell(message: str) -> None:
+        if not request.quiet:
+            say(message)
+
+    kept = True
     if request.output:
-        from celltrain.results import save
-
-        save(result, request.output)
-        reporter.log(f"saved {request.output}")
+        for path, each in presentation(result.kind).files(result, request.output).items():
+            try:
+                save(each, path)
+            except OSError as error:
+                say(f"celltrain: {str(path)!r} could not be written: {_reason(error)}")
+                kept = False
+            else:
+                tell(f"saved {path}")
     if request.plot:
-        # Drawing takes half a second to load.
-        from celltrain.pictures import plot_all
-
-        for path in plot_all(result, request.plot):
-            reporter.log(f"drew {path}")
-
-
-def _show(result: Base | Stability, *, as_json: bool) -> None:
-    if not as_json:
-        print_report(result, Console())
-        return
-    content = summary(result)
-    if isinstance(result, Base):
-        content["history"] = [_plain(iteration) for iteration in result.history]
-    print(json.dumps(content, indent=2, allow_nan=False))
+        for path, failure in draw_each(result, request.plot):
+            if failure is None:
+                tell(f"drew {path}")
+            else:
+                say(f"celltrain: {str(path)!r} could not be drawn: {_reason(failure)}")
+                kept = False
+    return kept
 
 
-def _plain(iteration: Iteration) -> dict[str, Any]:
-    """An iteration as JSON can hold it: Newton's infinite step becomes None."""
-    values = asdict(iteration)
-    return values | {"step": values["step"] if math.isfinite(values["step"]) else None}
+def keep_text(text: str, path: Path, errors: Console, *, quiet: bool) -> bool:
+    """Write a text file at once; say if it could not be written, and return whether it was."""
+    try:
+        replace_file(path, lambda part: part.write_text(text, encoding="utf-8"))
+    except OSError as error:
+        message = f"celltrain: {str(path)!r} could not be written: {_reason(error)}"
+        errors.print(message, markup=False, highlight=False, soft_wrap=True)
+        return False
+    if not quiet:
+        errors.print(f"wrote {path}", markup=False, highlight=False, soft_wrap=True)
+    return True
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or str(error) or type(error).__name__
 
 
 def describe_failure(failure: NotConverged, errors: Console, output: Path | None) -> int:
     """Say why there is no steady train, keep the last state; return the exit status."""
     errors.print(f"not converged: {failure}", markup=False, highlight=False)
-    table = Table("iteration", "method", "residual, U", "step, r0/U", "cell velocity, U")
+    table = titled("", "iteration", "method", "residual, U", "step, r0/U", "cell velocity, U")
     for number, iteration in enumerate(failure.history, 1):
         table.add_row(
             str(number),

@@ -8,39 +8,39 @@ from typing import Annotated, Any, Literal, cast, get_origin
 from cyclopts import Group, Parameter, Token
 from pydantic.fields import FieldInfo
 
-from celltrain.parameters import Cell, Flow, Resolution, Scales, Train, Tube
-from celltrain.parameters.errors import allowed_range, allowed_values, plain_type
-from celltrain.parameters.routing import LEAVES
-from celltrain.parameters.section import Section
-
-SECTIONS: dict[str, type[Section]] = {
-    "tube": Tube,
-    "cell": Cell,
-    "train": Train,
-    "flow": Flow,
-    "resolution": Resolution,
-}
+from celltrain.parameters import Scales
+from celltrain.parameters.dimension import NUMBER
+from celltrain.parameters.fields import (
+    allowed_range,
+    allowed_values,
+    described,
+    plain_type,
+)
+from celltrain.parameters.routing import DIMENSIONS, LEAVES, TAKEN
 
 
 def _options() -> Iterator[tuple[str, str, FieldInfo]]:
     """Every leaf as group, name and field."""
     for section, names in LEAVES.items():
         for name in names:
-            yield section.capitalize(), name, SECTIONS[section].model_fields[name]
+            yield section.capitalize(), name, TAKEN[name]
     for name, field in Scales.model_fields.items():
         yield 'Scales (with units "SI")', name, field
 
 
-def _help(field: FieldInfo) -> str:
+def _help(name: str, field: FieldInfo) -> str:
     limits = allowed_range(field)
     notes = [f"allowed: {limits}"] if limits else []
+    dimension = DIMENSIONS.get(name, NUMBER)
+    if dimension != NUMBER:
+        notes.insert(0, f"in SI {dimension.si}")
     extra = field.json_schema_extra
     if isinstance(extra, dict) and "default" in extra:
         notes.append(f"default: {extra['default']}")
     elif not field.is_required() and field.default is not None:
         default = field.default
         notes.append(f"default: {f'{default:.5g}' if isinstance(default, float) else default}")
-    return f"{field.description} ({'; '.join(notes)})" if notes else str(field.description)
+    return f"{described(field)} ({'; '.join(notes)})" if notes else described(field)
 
 
 def reader(kind: type, otherwise: str) -> Callable[[Any, Sequence[Token]], Any]:
@@ -66,7 +66,7 @@ def _option_class() -> type:
         kind = plain_type(info)
         plain: Any = kind if kind in (int, float) else str
         converter = None if plain is str else reader(plain, allowed_values(info))
-        parameter = Parameter(help=_help(info), group=group, converter=converter)
+        parameter = Parameter(help=_help(name, info), group=group, converter=converter)
         columns.append((name, Annotated[plain | None, parameter], dataclass_field(default=None)))
     units = Parameter(
         help='units of the case file and of these options: "dimensionless" (r0, U, mu) or "SI"',

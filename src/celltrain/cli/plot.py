@@ -1,5 +1,6 @@
 """The command that draws what a file holds: ``celltrain plot``."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -7,18 +8,17 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from celltrain.cli.arguments import Quiet
+from celltrain.cli.compute import NOT_KEPT, read_result
+from celltrain.cli.failure import CommandFailed
 from celltrain.cli.outputs import check_folder, check_output
 from celltrain.cli.progress import Reporter
+from celltrain.contract.files import draw_each
 from celltrain.evolution import Run
-from celltrain.evolution.recompute import frame_rates
+from celltrain.evolution.record.recompute import frame_rates
 from celltrain.parameters import CaseError
-from celltrain.pictures import plot_all
 from celltrain.pictures.animation import film_writer
 from celltrain.pictures.paraview import export_paraview
-from celltrain.pictures.run import animate_run, plot_run
-from celltrain.results import load
-from celltrain.stability import Stability
-from celltrain.steady import Base
+from celltrain.pictures.run import animate_run
 
 ResultFile = Annotated[
     Path,
@@ -58,15 +58,15 @@ def plot(
     paraview: Paraview = None,
     quiet: Quiet = False,
 ) -> int:
-    """Draw a result or a simulation: growth beside theory, the cells at chosen times, a film."""
-    content = read_result(result)
-    if not isinstance(content, Run):
-        for name, value in (("animation", animation), ("paraview", paraview)):
-            if value is not None:
-                raise CaseError(
-                    f"{name} = {str(value)!r} is not allowed: {str(result)!r} holds no simulation;"
-                    " allowed: a file that `celltrain evolve` wrote"
-                )
+    """Draw what a file holds: any result, a simulation, its film."""
+    content = read_result(result, "file")
+    simulation = content if isinstance(content, Run) else None
+    for name, value in (("animation", animation), ("paraview", paraview)):
+        if value is not None and simulation is None:
+            raise CaseError(
+                f"{name} = {str(value)!r} is not allowed: {str(result)!r} holds no simulation;"
+                " allowed: a file that `celltrain evolve` wrote"
+            )
     if animation is not None:
         film_writer(animation)
         check_output(animation, "animation")
@@ -74,57 +74,39 @@ def plot(
         check_folder(paraview, "paraview")
     folder = result.with_name(f"{result.stem}-pictures") if output is None else output
     check_folder(folder, "output")
-    console = Console()
-    with Reporter(Console(stderr=True), quiet=quiet) as reporter:
+    errors, console = Console(stderr=True), Console()
+    with Reporter(errors, quiet=quiet) as reporter:
+        reporter.log(
+            f"pictures of a result of the kind {content.kind}"
+            if simulation is None
+            else f"simulation until t = {simulation.state.time:.6g} of {simulation.until:g} r0/U,"
+            f" {len(simulation.times)} frames: {simulation.ending.message}"
+        )
+        kept = True
+        for path, failure in draw_each(content, folder):
+            kept &= failure is None
+            where = console if failure is None else errors
+            words = (
+                str(path) if failure is None else f"celltrain: {path} could not be drawn: {failure}"
+            )
+            where.print(words, highlight=False, markup=False, soft_wrap=True)
+        if simulation is None:
+            return 0 if kept else NOT_KEPT
         try:
-            for path in _draw(content, folder, animation, paraview, reporter):
+            for path in _film(simulation, animation, paraview, reporter):
                 console.print(str(path), highlight=False, markup=False, soft_wrap=True)
         except OSError as error:
-            raise CaseError(f"pictures could not be written: {error}") from None
-    return 0
+            raise CommandFailed(f"files could not be written: {error}", NOT_KEPT) from None
+    return 0 if kept else NOT_KEPT
 
 
-def read_result(path: Path) -> Base | Stability | Run:
-    """What a file holds.
-
-    Raises:
-        CaseError: if there is no such file, or it holds no result.
-    """
-    if not path.is_file():
-        raise CaseError(f"{str(path)!r} cannot be drawn: there is no such file")
-    try:
-        found = load(path)
-    except (OSError, ValueError) as error:
-        raise CaseError(f"{str(path)!r} is no result of celltrain: {error}") from None
-    try:
-        return Run.load(path)
-    except ValueError:
-        return found
-    except OSError as error:
-        raise CaseError(f"the simulation in {str(path)!r} cannot be read: {error}") from None
-
-
-def _draw(
-    content: Base | Stability | Run,
-    folder: Path,
-    animation: Path | None,
-    paraview: Path | None,
-    reporter: Reporter,
-) -> list[Path]:
-    if not isinstance(content, Run):
-        reporter.log("pictures")
-        return plot_all(content, folder)
-    reporter.log(
-        f"simulation until t = {content.state.time:.6g} of {content.until:g} r0/U,"
-        f" {len(content.times)} frames: {content.ending.message}"
-    )
-    paths = plot_run(content, folder)
+def _film(
+    run: Run, animation: Path | None, paraview: Path | None, reporter: Reporter
+) -> Iterator[Path]:
+    """What is made of a simulation only when it is asked for."""
     if animation is not None:
-        paths.append(
-            animate_run(content, animation, progress=lambda *part: reporter.part("film", *part))
-        )
+        yield animate_run(run, animation, progress=lambda *part: reporter.part("film", *part))
     if paraview is not None:
-        rates = frame_rates(content, progress=lambda *part: reporter.part("velocities", *part))
+        rates = frame_rates(run, progress=lambda *part: reporter.part("velocities", *part))
         reporter.log("files for ParaView")
-        paths.append(export_paraview(content.train, content.times, content.shapes, rates, paraview))
-    return paths
+        yield export_paraview(run.train, run.times, run.shapes, rates, paraview)

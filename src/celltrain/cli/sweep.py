@@ -10,11 +10,10 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
-from celltrain.cli.compute import NOT_CONVERGED
-from celltrain.cli.study_run import Count, Retry, Run, Scheduler, compute
-from celltrain.pictures.study import draw_study
-from celltrain.results import replace_file
-from celltrain.study import read_study, save_dataset, study_dataset, table
+from celltrain.cli.compute import NOT_KEPT, Request, keep, keep_text
+from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
+from celltrain.contract import presentation
+from celltrain.study import collect, read_study
 
 StudyFile = Annotated[Path, Parameter(help="TOML file of the study.")]
 Folder = Annotated[
@@ -44,22 +43,17 @@ def sweep(
     """
     wanted = read_study(study)
     folder = output or Path(study.stem)
-    run = Run(folder, workers, scheduler, retry, quiet)
+    run = StudyRun(folder, workers, scheduler, retry, quiet)
     errors = Console(stderr=True)
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr):
         records = compute(wanted, run, errors)
-        data = study_dataset(wanted, records)
-        written = [save_dataset(data, folder / "study.nc"), folder / "table.md"]
-        text = table(wanted, records)
-        replace_file(written[1], lambda part: part.write_text(text))
-        written += draw_study(data, folder)
-        if not quiet:
-            for path in written:
-                errors.print(f"wrote {path}", highlight=False, markup=False, soft_wrap=True)
+    result = collect(wanted, records)
+    text = result.table()
     if json:
         print(json_.dumps([record.model_dump() for record in records.values()], indent=2))
     else:
         sys.stdout.write(text)
-    failed = any(record.status == "failed" for record in records.values())
-    return NOT_CONVERGED if failed else 0
+    kept = keep(result, Request(output=folder / "study.nc", plot=folder, quiet=quiet), errors)
+    kept &= keep_text(text, folder / "table.md", errors, quiet=quiet)
+    return presentation(result.kind).status(result) or (0 if kept else NOT_KEPT)

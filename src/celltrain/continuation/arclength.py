@@ -13,10 +13,12 @@ halved where they fail or the curve bends by much.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Generic, Literal, TypeVar
+from typing import Annotated, Generic, Literal, TypeVar
 
 import numpy as np
 from jaxtyping import Float
+
+from celltrain.quantities import Quantity
 
 State = TypeVar("State")
 Unknowns = Float[np.ndarray, " unknown"]
@@ -31,11 +33,14 @@ class CurveLost(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Ending:
+class CurveEnding:
     """Why there are no more points of a curve."""
 
-    kind: Literal["reached", "turned back", "enough", "lost", "interrupted"]
-    message: str
+    kind: Annotated[
+        Literal["reached", "turned back", "enough", "lost", "interrupted"],
+        Quantity("", "1", "why there are no more points"),
+    ]
+    message: Annotated[str, Quantity("", "1", "the same in words")]
 
 
 @dataclass(frozen=True)

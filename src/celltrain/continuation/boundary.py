@@ -9,13 +9,14 @@ recognised by its overlap |<l, r>| with the adjoint mode before.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 from jaxtyping import Complex, Float
 
 from celltrain.continuation.arclength import (
+    CurveEnding,
     CurveLost,
-    Ending,
     Evaluation,
     NoSolution,
     Steps,
@@ -23,6 +24,7 @@ from celltrain.continuation.arclength import (
     trace_curve,
 )
 from celltrain.parameters import CaseError
+from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability import block_spectrum, check_linearisable, linear_blocks
 from celltrain.stability.infinite import WaveMode, check_phases
 from celltrain.stability.neutral import neutral_space
@@ -36,8 +38,8 @@ BOUNDARY_STEPS = Steps(first=0.02, largest=0.1, tolerance=1e-7)
 PLANE = ("diameter", "packing")
 
 
-@dataclass(frozen=True)
-class BoundaryPoint:
+@dataclass(frozen=True, eq=False)
+class BoundaryPoint(Record):
     """A train with a mode that neither grows nor decays.
 
     `gradient` is (d alpha/dD, d alpha/d phi), which points into the unstable side.
@@ -45,25 +47,38 @@ class BoundaryPoint:
 
     base: Base
     mode: WaveMode
-    gradient: Float[np.ndarray, "2"]
+    gradient: Annotated[
+        Float[np.ndarray, "2"],
+        Quantity("", "U/r0", "derivatives of the growth rate by diameter and packing", ("plane",)),
+    ]
 
     @property
+    @quantity(Quantity("D", "r0", "diameter of the tube"))
     def diameter(self) -> float:
         """D, in r0."""
         return self.base.train.tube.diameter
 
     @property
+    @quantity(Quantity(r"\phi", "1", "packing"))
     def packing(self) -> float:
         """The packing phi."""
         return self.base.train.packing
 
 
-@dataclass(frozen=True)
-class StabilityBoundary:
+@dataclass(frozen=True, eq=False)
+class StabilityBoundary(Record):
     """Points of the boundary in order, and why there are no more."""
 
+    kind: ClassVar[str] = "boundary"
+    title: ClassVar[str] = "boundary of stability in diameter and packing"
+
     points: tuple[BoundaryPoint, ...]
-    ending: Ending
+    ending: CurveEnding
+
+    @property
+    def base(self) -> Base:
+        """The last steady train."""
+        return self.points[-1].base
 
 
 def stability_boundary(
@@ -90,7 +105,7 @@ def stability_boundary(
     **Raises:** `CaseError` for what is not allowed.
     """
     points: list[BoundaryPoint] = []
-    ending = Ending("enough", f"{most_points} points were found")
+    ending = CurveEnding("enough", f"{most_points} points were found")
     followed = follow_boundary(
         start,
         azimuthal_number=azimuthal_number,
@@ -107,9 +122,9 @@ def stability_boundary(
             if len(points) >= most_points:
                 break
     except CurveLost as failure:
-        ending = Ending("lost", str(failure))
+        ending = CurveEnding("lost", str(failure))
     except KeyboardInterrupt:
-        ending = Ending("interrupted", "interrupted")
+        ending = CurveEnding("interrupted", "interrupted")
     return StabilityBoundary(tuple(points), ending)
 
 

@@ -10,14 +10,14 @@ is followed by its arclength in a/sqrt(4 pi) (r0) and p/p0, p0 its first value.
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
-import xarray as xr
 
 from celltrain.continuation.arclength import (
+    CurveEnding,
     CurveLost,
     CurvePoint,
-    Ending,
     Evaluation,
     NoSolution,
     Steps,
@@ -32,14 +32,10 @@ from celltrain.continuation.equations import (
 )
 from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.parameters import CaseError, Train
-from celltrain.stability import Stability
+from celltrain.quantities import Quantity, Record, quantity
+from celltrain.stability import Mode, Stability
 from celltrain.steady import Base, NotConverged, steady
-from celltrain.steady.parameters import (
-    PARAMETERS,
-    parameter_value,
-    parameters_of,
-    with_parameter,
-)
+from celltrain.steady.parameters import PARAMETERS, parameter_value, parameters_of
 from celltrain.steady.problem import SteadyProblem, change_of_profile
 from celltrain.steady.room import check_room
 from celltrain.steady.sensitivity import rates_by_parameter
@@ -48,64 +44,48 @@ from celltrain.steady.varied import VariedTrain
 #: Parameters along which there are branches: steady trains do not depend on the viscosity ratio.
 ALONG = tuple(name for name in PARAMETERS if name != "viscosity_ratio")
 
-Analysis = Callable[[Base], Stability]
+Dynamics = Callable[[Base], Stability]
 
 
-@dataclass(frozen=True)
-class BranchPoint:
-    """A steady train of a branch, with its linear dynamics if that was asked for.
+@dataclass(frozen=True, eq=False)
+class BranchPoint(Record):
+    """A steady train of a branch, with its leading mode if that was asked for.
 
     `slope` is dp/d(arclength) relative to the first value of p; it changes its sign at a fold.
     """
 
     base: Base
-    value: float
-    slope: float
-    stability: Stability | None
+    value: Annotated[float, Quantity("p", "", "value of the parameter")]
+    slope: Annotated[
+        float, Quantity("dp/ds", "1", "change of the parameter with the arclength, relative")
+    ]
+    leading: Mode | None
 
     @property
+    @quantity(Quantity(r"\alpha", "U/r0", "largest growth rate, NaN if not computed"))
     def growth_rate(self) -> float:
-        """Spectral abscissa, in U/r0; not a number if it was not computed."""
-        return math.nan if self.stability is None else self.stability.spectral_abscissa
+        """Spectral abscissa, in U/r0; NaN if it was not computed."""
+        return math.nan if self.leading is None else self.leading.growth_rate
 
 
-@dataclass(frozen=True)
-class Branch:
+@dataclass(frozen=True, eq=False)
+class Branch(Record):
     """The steady trains found along a branch, in order, and why there are no more."""
 
-    parameter: str
-    points: tuple[BranchPoint, ...]
-    ending: Ending
+    kind: ClassVar[str] = "branch"
+    title: ClassVar[str] = "branch of steady trains along a parameter"
 
-    def to_dataset(self) -> xr.Dataset:
-        """Parameter, shapes and what is reported of each train, ready for netCDF."""
-        bases = [point.base for point in self.points]
-        columns = {
-            "cell_velocity": ("U", [base.cell_velocity for base in bases]),
-            "effective_viscosity": ("mu", [base.effective_viscosity for base in bases]),
-            "gap": ("r0", [base.gap for base in bases]),
-            "residual": ("U", [base.residual for base in bases]),
-            "slope": ("1", [point.slope for point in self.points]),
-            "growth_rate": ("U/r0", [point.growth_rate for point in self.points]),
-        }
-        data = {
-            name: xr.Variable("point", each, {"units": unit})
-            for name, (unit, each) in columns.items()
-        }
-        shapes = np.stack([base.coefficients for base in bases])
-        dims = ("point", "axis", "coefficient")
-        data["coefficients"] = xr.Variable(dims, shapes, {"units": "r0"})
-        return xr.Dataset(
-            data,
-            coords={self.parameter: ("point", [point.value for point in self.points])},
-            attrs={
-                "title": f"branch of steady trains along {self.parameter}",
-                "case": bases[0].train.to_toml(),
-                "ending": self.ending.message,
-            },
-        )
+    parameter: Annotated[str, Quantity("p", "1", "the parameter that changes")]
+    points: tuple[BranchPoint, ...]
+    ending: CurveEnding
 
     @property
+    def base(self) -> Base:
+        """The last steady train."""
+        return self.points[-1].base
+
+    @property
+    @quantity(Quantity("", "1", "numbers of the points after which the parameter turns back"))
     def folds(self) -> tuple[int, ...]:
         """Numbers of the points after which the parameter turns back."""
         signs = np.sign([point.slope for point in self.points])
@@ -118,7 +98,7 @@ def branch(
     *,
     to: float,
     steps: Steps | None = None,
-    analyse: Analysis | None = None,
+    analyse: Dynamics | None = None,
     most_points: int = 100,
     progress: Callable[[BranchPoint], None] | None = None,
 ) -> Branch:
@@ -138,7 +118,7 @@ def branch(
     """
     points: list[BranchPoint] = []
     followed = follow_branch(start, parameter, to=to, steps=steps, analyse=analyse)
-    ending = Ending("enough", f"{most_points} points were found")
+    ending = CurveEnding("enough", f"{most_points} points were found")
     try:
         for point in followed:
             points.append(point)
@@ -147,13 +127,13 @@ def branch(
             if len(points) >= most_points:
                 break
         else:
-            ending = Ending("reached", f"{parameter} = {to:g} is reached")
+            ending = CurveEnding("reached", f"{parameter} = {to:g} is reached")
             if points[-1].value != to:
-                ending = Ending("turned back", "the branch turned back to its first value")
+                ending = CurveEnding("turned back", "the branch turned back to its first value")
     except CurveLost as failure:
-        ending = Ending("lost", str(failure))
+        ending = CurveEnding("lost", str(failure))
     except KeyboardInterrupt:
-        ending = Ending("interrupted", "interrupted")
+        ending = CurveEnding("interrupted", "interrupted")
     return Branch(parameter, tuple(points), ending)
 
 
@@ -163,7 +143,7 @@ def follow_branch(
     *,
     to: float,
     steps: Steps | None = None,
-    analyse: Analysis | None = None,
+    analyse: Dynamics | None = None,
 ) -> Iterator[BranchPoint]:
     """The points of `branch` one by one, as they are found.
 
@@ -190,7 +170,7 @@ def follow_branch(
 
 
 def check_branch(train: Train, parameter: str, to: float) -> float:
-    """See to it that there can be such a branch; returns the first value of the parameter.
+    """Check that there can be such a branch; returns the first value of the parameter.
 
     **Raises:** `CaseError` for what is not allowed.
     """
@@ -198,7 +178,7 @@ def check_branch(train: Train, parameter: str, to: float) -> float:
     if parameter not in allowed:
         raise CaseError(f"parameter = {parameter!r} is not allowed; allowed: {', '.join(allowed)}")
     first = parameter_value(train, parameter)
-    check_room(with_parameter(train, parameter, to))
+    check_room(train.changed(**{parameter: to}))
     if to == first or first == 0.0:
         raise CaseError(
             f"to = {to:g} is not allowed: {parameter} is {first:g} at the start; allowed: another"
@@ -208,10 +188,10 @@ def check_branch(train: Train, parameter: str, to: float) -> float:
 
 
 def _point(
-    base: Base, value: float, point: CurvePoint[SteadyPoint], analyse: Analysis | None
+    base: Base, value: float, point: CurvePoint[SteadyPoint], analyse: Dynamics | None
 ) -> BranchPoint:
-    found = None if analyse is None else analyse(base)
-    return BranchPoint(base, value, float(point.tangent[-2]), found)
+    leading = None if analyse is None else analyse(base).leading
+    return BranchPoint(base, value, float(point.tangent[-2]), leading)
 
 
 def _last(
@@ -220,12 +200,12 @@ def _last(
     to: float,
     point: CurvePoint[SteadyPoint],
     steps: Steps,
-    analyse: Analysis | None,
+    analyse: Dynamics | None,
 ) -> BranchPoint:
     """The train at the last value itself, which the curve has just passed."""
     try:
         end = steady(
-            with_parameter(base.train, parameter, to),
+            base.train.changed(**{parameter: to}),
             start=base,
             tolerance=steps.tolerance,
             estimate_error=False,
@@ -243,7 +223,7 @@ def _equations(
     def evaluate(unknowns: Unknowns, near: SteadyPoint) -> Evaluation[SteadyPoint]:
         value = first * float(unknowns[-2])
         try:
-            problem = SteadyProblem(with_parameter(near.problem.train, parameter, value))
+            problem = SteadyProblem(near.problem.train.changed(**{parameter: value}))
             found = evaluate_steady(problem, np.delete(unknowns, -2), near)
             profile = change_of_profile(UNIT_DISPLACEMENT * unknowns[:-2])
             varied = VariedTrain(problem, profile, parameter)

@@ -14,9 +14,9 @@ no cell; it is deflated, too, and counted apart.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
-import xarray as xr
 
 from celltrain.continuation.arclength import Evaluation, NoSolution, Unknowns
 from celltrain.continuation.deflation import Tries, deflated_newton
@@ -29,6 +29,7 @@ from celltrain.continuation.equations import (
 from celltrain.harmonics import UNIT_DISPLACEMENT, Profile
 from celltrain.parameters import CaseError
 from celltrain.proximity.meridian import crosses_itself
+from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability import stability
 from celltrain.steady import Base, NotConverged, steady
 from celltrain.steady.problem import SteadyProblem, change_of_profile
@@ -46,19 +47,19 @@ LOWEST = 5
 SAME = 1e-4
 
 
-@dataclass(frozen=True)
-class SearchTry:
+@dataclass(frozen=True, eq=False)
+class SearchTry(Record):
     """One try: the guess, how it ended, and the train if it has led to one."""
 
-    guess: str
-    steps: int
-    outcome: str
-    residual: float
-    base: Base | None
+    guess: Annotated[str, Quantity("", "1", "what it started from")]
+    steps: Annotated[int, Quantity("", "1", "steps of Newton's method")]
+    outcome: Annotated[str, Quantity("", "1", "how it ended")]
+    residual: Annotated[float, Quantity("", "U", "residual at the end, NaN if there was none")]
+    base: Annotated[Base | None, Quantity("", "1", "the train it led to", bulky=True)]
 
 
-@dataclass(frozen=True)
-class FoundTrain:
+@dataclass(frozen=True, eq=False)
+class FoundTrain(Record):
     """A further steady train, the guess that led to it, its distance from the known one in r0.
 
     `axisymmetric_rate` is the largest growth rate (U/r0) of its axisymmetric disturbances (m = 0,
@@ -66,20 +67,31 @@ class FoundTrain:
     """
 
     base: Base
-    guess: str
-    distance: float
-    axisymmetric_rate: float
+    guess: Annotated[str, Quantity("", "1", "the guess that led to it")]
+    distance: Annotated[float, Quantity("", "r0", "distance from the known train")]
+    axisymmetric_rate: Annotated[
+        float, Quantity(r"\alpha_0", "U/r0", "largest growth rate of axisymmetric disturbances")
+    ]
 
 
-@dataclass(frozen=True)
-class BranchSearch:
+@dataclass(frozen=True, eq=False)
+class BranchSearch(Record):
     """What was tried and what was found beside a known train."""
+
+    kind: ClassVar[str] = "search"
+    title: ClassVar[str] = "steady trains of the same parameters"
 
     known: Base
     tries: tuple[SearchTry, ...]
     found: tuple[FoundTrain, ...]
 
     @property
+    def base(self) -> Base:
+        """The known train."""
+        return self.known
+
+    @property
+    @quantity(Quantity("", "1", "the outcome in words"))
     def statement(self) -> str:
         """The outcome in words."""
         count = len(self.tries)
@@ -91,36 +103,6 @@ class BranchSearch:
         number = len(self.found)
         trains = "train was" if number == 1 else "trains were"
         return f"{number} further steady {trains} found in {tried}"
-
-    def to_dataset(self) -> xr.Dataset:
-        """The known train and those found, first the known one, ready for netCDF."""
-        bases = [self.known, *(each.base for each in self.found)]
-        columns = {
-            "cell_velocity": ("U", [base.cell_velocity for base in bases]),
-            "gap": ("r0", [base.gap for base in bases]),
-            "effective_viscosity": ("mu", [base.effective_viscosity for base in bases]),
-            "residual": ("U", [base.residual for base in bases]),
-            "distance": ("r0", [0.0, *(each.distance for each in self.found)]),
-            "axisymmetric_rate": (
-                "U/r0",
-                [math.nan, *(each.axisymmetric_rate for each in self.found)],
-            ),
-        }
-        data = {
-            name: xr.Variable("train", values, {"units": unit})
-            for name, (unit, values) in columns.items()
-        }
-        shapes = np.stack([base.coefficients for base in bases])
-        dims = ("train", "axis", "coefficient")
-        data["coefficients"] = xr.Variable(dims, shapes, {"units": "r0"})
-        return xr.Dataset(
-            data,
-            attrs={
-                "title": "steady trains of the same parameters",
-                "case": self.known.train.to_toml(),
-                "statement": self.statement,
-            },
-        )
 
 
 def search_trains(

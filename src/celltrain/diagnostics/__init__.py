@@ -11,8 +11,9 @@ from celltrain.diagnostics.haematocrit import (
     in_vitro_viscosity,
     tube_haematocrit,
 )
+from celltrain.diagnostics.mechanisms import Mechanisms, mechanisms
 from celltrain.diagnostics.modes import ModeMotion, mode_motion
-from celltrain.diagnostics.quantities import FRAME_QUANTITIES, FrameQuantity
+from celltrain.diagnostics.quantities import ENERGY_PARTS, FRAME_QUANTITIES
 from celltrain.diagnostics.spectrum import deformation_spectrum, disturbance_amplitude
 from celltrain.diagnostics.streamlines import (
     MeridionalFlow,
@@ -23,7 +24,7 @@ from celltrain.diagnostics.streamlines import (
 
 if TYPE_CHECKING:
     from celltrain.diagnostics.ellipsoid import Ellipsoid, best_ellipsoid
-    from celltrain.diagnostics.energy import ENERGY_PARTS, energy_parts, perturbation_energy
+    from celltrain.diagnostics.energy import energy_parts, perturbation_energy
     from celltrain.diagnostics.fields import SurfaceFields, surface_fields
     from celltrain.diagnostics.frames import frame
     from celltrain.diagnostics.moments import CellMoments, cell_moments
@@ -36,7 +37,7 @@ __all__ = [
     "CellMoments",
     "CellMotion",
     "Ellipsoid",
-    "FrameQuantity",
+    "Mechanisms",
     "MeridionalFlow",
     "ModeMotion",
     "Recirculation",
@@ -51,6 +52,7 @@ __all__ = [
     "frame",
     "in_vitro_viscosity",
     "isotropic_tension",
+    "mechanisms",
     "meridional_flow",
     "mode_motion",
     "perturbation_energy",
@@ -61,7 +63,7 @@ __all__ = [
 
 _LATER = {
     "ellipsoid": ("Ellipsoid", "best_ellipsoid"),
-    "energy": ("ENERGY_PARTS", "energy_parts", "perturbation_energy"),
+    "energy": ("energy_parts", "perturbation_energy"),
     "fields": ("SurfaceFields", "surface_fields"),
     "frames": ("frame",),
     "moments": ("CellMoments", "cell_moments"),

@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.diagnostics.ellipsoid import best_ellipsoid
-from celltrain.diagnostics.energy import ENERGY_PARTS, energy_parts
+from celltrain.diagnostics.energy import energy_parts
 from celltrain.diagnostics.moments import cell_moments
-from celltrain.diagnostics.quantities import FRAME_QUANTITIES
+from celltrain.diagnostics.quantities import ENERGY_PARTS, FRAME_QUANTITIES
 from celltrain.diagnostics.rotation import cell_motion
 from celltrain.diagnostics.spectrum import deformation_spectrum
 from celltrain.harmonics.jax_shapes import JaxShape, JaxShapes

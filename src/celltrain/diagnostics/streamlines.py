@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import scipy.integrate
@@ -9,6 +10,7 @@ from jaxtyping import Bool, Float
 from matplotlib.path import Path as Outline
 
 from celltrain.meridian.geometry import meridian_points
+from celltrain.quantities import Quantity, Record
 from celltrain.steady import Base
 
 RADIAL, AXIAL = 41, 81
@@ -16,45 +18,86 @@ RADIAL, AXIAL = 41, 81
 AT_REST = 1e-4
 
 
-@dataclass(frozen=True)
-class MeridionalFlow:
-    """Flow in a half plane through the axis, in the frame in which the cells rest.
+@dataclass(frozen=True, eq=False)
+class MeridionalFlow(Record):
+    """Flow in a half plane through the axis, in the frame in which the cells rest."""
 
-    Attributes:
-        radius: distances from the axis, 0 to the wall, r0.
-        axial: positions along the tube over one period, the cell in its middle, r0.
-        velocity: radial and axial velocity, U.
-        stream_function: psi with u_z = (1/r) dpsi/dr, u_r = -(1/r) dpsi/dz, psi = 0 on the axis,
-            U r0^2.
-        inside: which points lie inside a cell; there the velocity is nothing.
-    """
-
-    radius: Float[np.ndarray, " radial"]
-    axial: Float[np.ndarray, " axial"]
-    velocity: Float[np.ndarray, "axial radial 2"]
-    stream_function: Float[np.ndarray, "axial radial"]
-    inside: Bool[np.ndarray, "axial radial"]
+    radius: Annotated[
+        Float[np.ndarray, " radial"],
+        Quantity("r", "r0", "distances from the axis, 0 to the wall", bulky=True),
+    ]
+    axial: Annotated[
+        Float[np.ndarray, " axial"],
+        Quantity(
+            "z",
+            "r0",
+            "positions along the tube over one period, the cell in its middle",
+            bulky=True,
+        ),
+    ]
+    velocity: Annotated[
+        Float[np.ndarray, "axial radial 2"],
+        Quantity(
+            "u", "U", "radial and axial velocity", ("axial", "radial", "direction"), bulky=True
+        ),
+    ]
+    stream_function: Annotated[
+        Float[np.ndarray, "axial radial"],
+        Quantity(
+            r"\psi",
+            "U r0^2",
+            "stream function, 0 on the axis",
+            equation=r"u_z = (1/r) d\psi/dr, u_r = -(1/r) d\psi/dz",
+            bulky=True,
+        ),
+    ]
+    inside: Annotated[
+        Bool[np.ndarray, "axial radial"],
+        Quantity(
+            "", "1", "which points lie inside a cell; there the velocity is nothing", bulky=True
+        ),
+    ]
 
 
 @dataclass(frozen=True)
 class Recirculation:
     """Where fluid turns between two cells, in the frame in which the cells rest.
 
-    Attributes:
-        stagnation_points: positions on the axis (r0, from the middle between two cells) at which
-            the fluid changes direction.
-        axis_velocity: velocity on the axis that is farthest from 0 between the cells, U. Positive:
-            fluid runs ahead of the cells there and turns back farther out.
-        strength: how much fluid turns around the axis: the largest stream function over that of
-            all fluid that passes the cells, |psi| at the wall; 0 if it is nowhere positive.
-        centre: distance from the axis and position (from the middle between two cells), r0, of
-            the point around which fluid turns; not numbers if there is none.
+    Where the velocity on the axis is positive, fluid runs ahead of the cells and turns back
+    farther out.
     """
 
-    stagnation_points: tuple[float, ...]
-    axis_velocity: float
-    strength: float
-    centre: tuple[float, float]
+    stagnation_points: Annotated[
+        tuple[float, ...],
+        Quantity(
+            "z",
+            "r0",
+            "places on the axis, from the middle between two cells, where the fluid changes"
+            " direction",
+        ),
+    ]
+    axis_velocity: Annotated[
+        float,
+        Quantity("w_z", "U", "velocity on the axis that is farthest from 0 between the cells"),
+    ]
+    strength: Annotated[
+        float,
+        Quantity(
+            "",
+            "1",
+            "how much fluid turns back of all that passes the cells, 0 if none does",
+            equation=r"\max \psi/|\psi(R)|",
+        ),
+    ]
+    centre: Annotated[
+        tuple[float, float],
+        Quantity(
+            "",
+            "r0",
+            "distance from the axis, and place from the middle between two cells, of the point"
+            " around which fluid turns; NaN if there is none",
+        ),
+    ]
 
 
 def meridional_flow(base: Base, *, radial: int = RADIAL, axial: int = AXIAL) -> MeridionalFlow:

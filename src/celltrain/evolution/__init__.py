@@ -2,38 +2,36 @@
 
 from celltrain.evolution.disturbances import (
     Disturbance,
+    FastestAtFirst,
     FromFile,
     Leading,
-    Mode,
+    NumberedMode,
     RandomDisplacement,
-    Transient,
 )
-from celltrain.evolution.ending import Ending
-from celltrain.evolution.euler import ForwardEuler
+from celltrain.evolution.ending import Ending, StepFailed
 from celltrain.evolution.evolve import evolve, resume
-from celltrain.evolution.integrator import Integrator, StepFailed
+from celltrain.evolution.films import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import Status
-from celltrain.evolution.repulsion import Repulsion
-from celltrain.evolution.run import Run
-from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
+from celltrain.evolution.methods import ForwardEuler, Integrator, RungeKuttaChebyshev
+from celltrain.evolution.record.run import Run
 
 __all__ = [
     "Disturbance",
     "Ending",
+    "FastestAtFirst",
     "ForwardEuler",
     "FromFile",
     "Integrator",
     "Leading",
     "LinearPrediction",
-    "Mode",
+    "NumberedMode",
     "RandomDisplacement",
     "Repulsion",
     "Run",
     "RungeKuttaChebyshev",
     "Status",
     "StepFailed",
-    "Transient",
     "evolve",
     "linear_prediction",
     "resume",

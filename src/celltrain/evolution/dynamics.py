@@ -4,16 +4,15 @@ Shapes are those of all N cells, on the host: a few tens of kilobytes, so that i
 combine them there and only one program, the rates, is compiled for all of them.
 """
 
-from dataclasses import dataclass
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from celltrain.evolution.films import FilmForces, Films, film_forces
-from celltrain.evolution.repulsion import Repulsion
+from celltrain.evolution.films.forces import FilmForces, Films, film_forces
+from celltrain.evolution.films.repulsion import Repulsion
+from celltrain.evolution.state import Measures, Settled, State
 from celltrain.harmonics import UNIT_DISPLACEMENT, Shapes, displaced_along, mean_points
 from celltrain.membrane.geometry import surface_geometry
 from celltrain.stability import paper_weights
@@ -22,36 +21,6 @@ from celltrain.train import TrainOperator, place_cells, train_operator
 
 # Corrections of the volume after a step; Newton's method needs no more.
 VOLUME_ITERATIONS = 2
-
-
-@dataclass(frozen=True)
-class Settled:
-    """Shapes made fit to go on from, and what is measured of them.
-
-    Attributes:
-        shapes: with the volumes of the steady train, every cell's mean point in the train's window.
-        laps: how many lengths of the train each cell is put back by.
-        volume_correction: largest displacement that the correction of the volumes took, r0.
-        eps: size of the disturbance, Eq. (8), r0.
-        eps_x: root of the sum over the cells of the mean square displacement of the membrane over
-            solid angle, r0.
-        energy: elastic energy of all membranes, mu U r0^2.
-        area: area of all membranes, r0^2.
-        gap: thinnest film within the range of the repulsion, r0; infinite if there is none.
-        film_energy, film_force: energy of the repulsion, mu U r0^2, and the largest force of films
-            on a cell, mu U r0.
-    """
-
-    shapes: Shapes
-    laps: Int[np.ndarray, " cell"]
-    volume_correction: float
-    eps: float
-    eps_x: float
-    energy: float
-    area: float
-    gap: float
-    film_energy: float
-    film_force: float
 
 
 class _Measured(eqx.Module):
@@ -85,7 +54,7 @@ class Dynamics(eqx.Module):
     def rates(self, shapes: Shapes) -> Shapes:
         """ds/dt in the frame of the steady train, in U.
 
-        Not numbers for shapes that are none, nor where the repulsion finds membranes crossing.
+        NaN for shapes that are, and where the repulsion finds membranes crossing.
         """
         if not np.isfinite(shapes).all():
             return np.full_like(shapes, np.nan)
@@ -119,17 +88,26 @@ class Dynamics(eqx.Module):
         finite = bool(np.isfinite(settled).all())
         films = self.film_forces(settled) if finite else Films(np.nan, np.nan, np.nan, settled)
         correction, eps, eps_x, energy, area = (float(each) for each in np.asarray(found.numbers))
-        return Settled(
-            shapes=settled,
-            laps=np.asarray(found.laps),
-            volume_correction=correction,
+        measures = Measures(
             eps=eps,
             eps_x=eps_x,
             energy=energy,
             area=area,
+            volume_correction=correction,
             gap=films.gap,
             film_energy=films.energy,
             film_force=films.force,
+        )
+        return Settled(settled, np.asarray(found.laps), measures)
+
+    def state(self, time: float, shapes: Shapes) -> State:
+        """The state of a train with the given (continuous) shapes at a time.
+
+        Its rates are NaN where those of `rates` are.
+        """
+        settled = self.settle(shapes)
+        return State(
+            **vars(settled), time=time, rates=self.rates(settled.shapes), wall_gap=self.wall_gap
         )
 
     def displacement(self, change: Shapes) -> float:

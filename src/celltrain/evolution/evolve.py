@@ -5,17 +5,17 @@ from pathlib import Path
 
 import numpy as np
 
-from celltrain.evolution.archive import Archive, load_run
+from celltrain.evolution.checks import check_positive
 from celltrain.evolution.disturbances import Disturbance
 from celltrain.evolution.dynamics import Dynamics, train_dynamics
-from celltrain.evolution.ending import Ending
-from celltrain.evolution.integrator import Integrator, check_positive
+from celltrain.evolution.ending import Ending, StepFailed
+from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
-from celltrain.evolution.march import March, Progress
-from celltrain.evolution.quantities import STEP_QUANTITIES
-from celltrain.evolution.repulsion import Repulsion
-from celltrain.evolution.run import Run
-from celltrain.evolution.runge_kutta_chebyshev import RungeKuttaChebyshev
+from celltrain.evolution.march import March, SimulationProgress
+from celltrain.evolution.methods import Manner, Method, RungeKuttaChebyshev, Step, Work
+from celltrain.evolution.record.archive import Archive
+from celltrain.evolution.record.quantities import STEP_QUANTITIES
+from celltrain.evolution.record.run import Run
 from celltrain.evolution.start import at_degree
 from celltrain.evolution.wall_resolution import LARGEST, followed
 from celltrain.parameters import CaseError, Train
@@ -35,14 +35,14 @@ def evolve(
     *,
     until: float,
     degree: int | None = None,
-    integrator: Integrator | None = None,
+    integrator: Method | None = None,
     repulsion: Repulsion | None = None,
     every: float = EVERY,
     path: str | Path | None = None,
     overwrite: bool = False,
     save_seconds: float = SAVE_SECONDS,
     most_steps: int | None = None,
-    progress: Progress | None = None,
+    progress: SimulationProgress | None = None,
 ) -> Run:
     """Simulate a steady train with a disturbance, in the frame that moves with the steady train.
 
@@ -98,7 +98,10 @@ def evolve(
     wall_gap = followed(LARGEST, dynamics.wall_distance(settled.shapes))
     if wall_gap != dynamics.wall_gap:
         dynamics = train_dynamics(base, film, wall_gap=wall_gap)
-    state, record = method.begin(dynamics, shapes)
+    state = dynamics.state(0.0, shapes)
+    if not np.isfinite(state.rates).all():
+        raise StepFailed("not_finite", "the first shapes have no finite velocity")
+    memory = method.begin(state)
     first = dynamics.continuous(state.shapes, state.laps) - np.asarray(dynamics.base)
     run = Run(
         start=start,
@@ -113,6 +116,7 @@ def evolve(
         shapes=np.zeros((0, *shapes.shape)),
         frames={},
         state=state,
+        memory=memory,
         ending=Ending("running", "not ended yet"),
     )
     march = March(
@@ -123,7 +127,8 @@ def evolve(
         save_seconds=save_seconds,
         progress=progress,
     )
-    march.begin(record)
+    beginning = Manner(size=0.0, stages=0, error=0.0, radius=float("nan"))
+    march.begin(Step(state, memory, beginning, Work(evaluations=1)))
     return march.go(most_steps)
 
 
@@ -133,7 +138,7 @@ def resume(
     until: float | None = None,
     save_seconds: float = SAVE_SECONDS,
     most_steps: int | None = None,
-    progress: Progress | None = None,
+    progress: SimulationProgress | None = None,
 ) -> Run:
     """Go on with the simulation in a file, to the result that it would have had without a stop.
 
@@ -144,7 +149,7 @@ def resume(
     """
     path = Path(path)
     try:
-        run = load_run(path)
+        run = Run.load(path)
     except (OSError, ValueError) as error:
         raise CaseError(f"{str(path)!r} cannot be gone on from: {error}") from None
     if until is not None:
@@ -166,7 +171,7 @@ def resume(
 
 
 def _check_steady(dynamics: Dynamics, repulsion: Repulsion) -> None:
-    """See to it that the repulsion leaves the steady train as it is."""
+    """Check that the repulsion leaves the steady train as it is."""
     gap = dynamics.film_forces(np.asarray(dynamics.base)).gap
     if gap < np.inf:
         raise CaseError(

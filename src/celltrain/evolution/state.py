@@ -1,75 +1,82 @@
-"""The complete state of an integration, and the record of a step."""
+"""The physical state of a simulation, and what is measured of it."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from celltrain.quantities import Quantity
 
-@dataclass(frozen=True)
-class State:
-    """All that an integrator needs to go on, to the last bit.
-
-    Attributes:
-        time: r0/U.
-        shapes: every cell's mean point in the train's window, frame of the steady train, r0.
-        laps: lengths of the train that each cell is put back by.
-        rates: rates of change of these shapes in the same frame, U.
-        step: size of the next step, r0/U.
-        last_step, last_error: those of the step before (error relative to the tolerance), 0 if
-            there was none.
-        radius: estimated spectral radius, U/r0, 0 if not known.
-        radius_age: steps since it was estimated.
-        direction: last direction of the power iteration.
-        steps, rejected, evaluations: counts since the beginning.
-        gap: thinnest film within the range of the repulsion, r0; infinite if there is none.
-        wall_gap: smallest distance of a cell from the wall for which the wall was resolved, r0.
-    """
-
-    time: float
-    shapes: Float[np.ndarray, "cell 3 coefficient"]
-    laps: Int[np.ndarray, " cell"]
-    rates: Float[np.ndarray, "cell 3 coefficient"]
-    step: float
-    last_step: float
-    last_error: float
-    radius: float
-    radius_age: int
-    direction: Float[np.ndarray, "cell 3 coefficient"]
-    steps: int
-    rejected: int
-    evaluations: int
-    gap: float
-    wall_gap: float
+_SHAPE = ("cell", "axis", "coefficient")
 
 
 @dataclass(frozen=True)
-class Record:
-    """What is kept of a step: the state at its end, and how it was taken.
+class Measures:
+    """What is measured of shapes as soon as they are fit to go on from."""
 
-    Attributes:
-        time: at the end of the step, r0/U.
-        eps, eps_x, energy, area, volume_correction, gap, film_energy, film_force: as in `Settled`,
-            there.
-        size: of the step, r0/U; 0 for the beginning.
-        stages: evaluations that the step itself took.
-        error: estimated error of the step, the largest displacement of a membrane, r0.
-        radius: spectral radius assumed, U/r0.
-        rejected, evaluations: counts since the beginning.
+    eps: Annotated[float, Quantity(r"\epsilon", "r0", "size of the disturbance", source="Eq. (8)")]
+    eps_x: Annotated[
+        float,
+        Quantity(
+            r"\epsilon_x",
+            "r0",
+            "root of the sum over cells of the mean square displacement of the membrane",
+        ),
+    ]
+    energy: Annotated[float, Quantity("W", "mu U r0^2", "elastic energy of all membranes")]
+    area: Annotated[float, Quantity("A", "r0^2", "area of all membranes")]
+    volume_correction: Annotated[
+        float,
+        Quantity("", "r0", "largest displacement by the correction of the cells' volumes"),
+    ]
+    gap: Annotated[
+        float,
+        Quantity(
+            "d", "r0", "thinnest film within the range of the repulsion, infinite if there is none"
+        ),
+    ]
+    film_energy: Annotated[
+        float, Quantity("W_r", "mu U r0^2", "energy of the repulsion in all films")
+    ]
+    film_force: Annotated[
+        float,
+        Quantity(
+            "",
+            "mu U r0",
+            "largest force of films on a cell, the sum of its parts without regard to directions",
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Shapes made fit to go on from, and what is measured of them.
+
+    They have the volumes of the steady train, in whose frame they are.
     """
 
-    time: float
-    eps: float
-    eps_x: float
-    energy: float
-    area: float
-    volume_correction: float
-    gap: float
-    film_energy: float
-    film_force: float
-    size: float
-    stages: int
-    error: float
-    radius: float
-    rejected: int
-    evaluations: int
+    shapes: Annotated[
+        Float[np.ndarray, "cell 3 coefficient"],
+        Quantity("s", "r0", "shapes, mean points within the train's length", _SHAPE),
+    ]
+    laps: Annotated[
+        Int[np.ndarray, " cell"],
+        Quantity("", "1", "lengths of the train that each cell is put back by", ("cell",)),
+    ]
+    measures: Measures
+
+
+@dataclass(frozen=True)
+class State(Settled):
+    """Where a train is at one time, and how it moves; whatever marches it can go on from there."""
+
+    time: Annotated[float, Quantity("t", "r0/U", "time")]
+    rates: Annotated[
+        Float[np.ndarray, "cell 3 coefficient"],
+        Quantity("", "U", "rates of change of the shapes in the frame of the steady train", _SHAPE),
+    ]
+    wall_gap: Annotated[
+        float,
+        Quantity("", "r0", "smallest distance of cells from the wall for which it is resolved"),
+    ]

@@ -6,7 +6,7 @@ doubled again once all are well beyond: a few steps in a whole simulation, each 
 its own to compile.
 """
 
-from celltrain.evolution.integrator import StepFailed
+from celltrain.evolution.ending import StepFailed
 
 # Distances from the wall (r0) above this one cost about as much as this one.
 LARGEST = 0.8

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, TypeVar
 
-from celltrain.membrane.arithmetic import Number
-from celltrain.membrane.bending import BENDINGS, BendingLaw
-from celltrain.membrane.laws import LAWS, ConstitutiveLaw
+from celltrain.laws.arithmetic import Number
+from celltrain.laws.bending import BENDINGS, BendingLaw
+from celltrain.laws.constitutive import LAWS, ConstitutiveLaw
 from celltrain.parameters import Cell
 
 Law = TypeVar("Law", ConstitutiveLaw, BendingLaw)

@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.harmonics import Profile
-from celltrain.membrane.arithmetic import Number
+from celltrain.laws.arithmetic import Number
 from celltrain.membrane.axisymmetric import AxisymmetricMembrane, axisymmetric_membrane
 from celltrain.membrane.jets import Jet, variables
 from celltrain.membrane.material import cell_material

@@ -1,11 +1,12 @@
 """The resolution of a case: the degree of its shapes, and the sizes of the rules for it."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 from pydantic.config import JsonDict
 
+from celltrain.parameters.dimension import NUMBER
 from celltrain.parameters.errors import CaseError
 from celltrain.parameters.section import Real, Section, Whole
 
@@ -86,14 +87,14 @@ class Resolution(Section):
         " operator",
         json_schema_extra=FOLLOWS,
     )
-    near_cutoff: Real = Field(
+    near_cutoff: Annotated[Real, NUMBER] = Field(
         default=2.5,
         gt=0,
         le=20,
         description="distance to which the near sum is taken, r0 also in SI, three-dimensional"
         " operator",
     )
-    tolerance: Real = Field(
+    tolerance: Annotated[Real, NUMBER] = Field(
         default=1e-6,
         ge=1e-12,
         le=1e-3,

@@ -5,18 +5,39 @@ from difflib import get_close_matches
 from typing import Any
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
+from celltrain.parameters.dimension import Dimension
 from celltrain.parameters.errors import CaseError
+from celltrain.parameters.fields import dimension
 from celltrain.parameters.resolution import Resolution
-from celltrain.parameters.sections import Cell, Flow, Tube
+from celltrain.parameters.section import Section
+from celltrain.parameters.sections import Cell, Flow, Spacing, Strength, Tube
 
-#: Section -> names of its leaves, as in a case file.
+#: The sections of a case, as a case file calls them.
+SECTIONS: dict[str, type[Section]] = {
+    "tube": Tube,
+    "cell": Cell,
+    "train": Spacing,
+    "flow": Flow,
+    "resolution": Resolution,
+}
+
+#: Every number that a case keeps, by name.
+KEPT: dict[str, FieldInfo] = {
+    name: field for section in SECTIONS.values() for name, field in section.model_fields.items()
+}
+
+#: Every number that a case takes, by name.
+TAKEN: dict[str, FieldInfo] = {**KEPT, **Strength.model_fields}
+
+#: What each number is measured in; making this table fails for a field that does not say it.
+DIMENSIONS: dict[str, Dimension] = {name: dimension(field) for name, field in TAKEN.items()}
+
+#: Section -> names of the leaves that it may be given, as in a case file.
 LEAVES: dict[str, tuple[str, ...]] = {
-    "tube": tuple(Tube.model_fields),
-    "cell": tuple(Cell.model_fields),
-    "train": ("packing", "cells"),
-    "flow": tuple(Flow.model_fields),
-    "resolution": tuple(Resolution.model_fields),
+    name: tuple(section.model_fields) + (tuple(Strength.model_fields) if name == "flow" else ())
+    for name, section in SECTIONS.items()
 }
 
 #: The same for a case in SI, where the scales are given with what they belong to.

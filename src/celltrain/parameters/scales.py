@@ -4,6 +4,7 @@ from typing import Any
 
 from pydantic import Field
 
+from celltrain.parameters.dimension import Dimension
 from celltrain.parameters.section import Real, Section
 
 
@@ -29,39 +30,27 @@ class Scales(Section):
         return self.radius / self.mean_velocity
 
     @property
-    def surface_modulus(self) -> float:
-        """mu U in N/m, the unit of the shear and the dilatation modulus."""
-        return self.plasma_viscosity * self.mean_velocity
-
-    @property
-    def bending_modulus(self) -> float:
-        """mu U r0^2 in N m, the unit of the bending modulus and of energies."""
-        return self.surface_modulus * self.radius**2
-
-    @property
     def pressure(self) -> float:
         """mu U/r0 in Pa."""
-        return self.surface_modulus / self.radius
+        return self.plasma_viscosity * self.mean_velocity / self.radius
 
-    def unit(self, leaf: str) -> float | None:
-        """The SI value of 1 for a leaf that has a dimension, otherwise None."""
-        units: dict[str, float] = {
-            "diameter": self.radius,
-            "shear_modulus": self.surface_modulus,
-            "dilatation_modulus": self.surface_modulus,
-            "bending_modulus": self.bending_modulus,
-            "spontaneous_curvature": 1 / self.radius,
-        }
-        return units.get(leaf)
+    def unit(self, dimension: Dimension) -> float:
+        """The SI value of 1 of a dimension."""
+        viscosity = self.plasma_viscosity**dimension.viscosity
+        return viscosity * self.mean_velocity**dimension.velocity * self.radius**dimension.length
 
-    def dimensionless(self, leaf: str, value: Any) -> Any:
+    def dimensionless(self, dimension: Dimension, value: Any) -> Any:
         """An SI value in r0, U, mu; what is not a number is left for the validation to refuse."""
-        unit = self.unit(leaf)
-        if unit is None or isinstance(value, bool) or not isinstance(value, int | float):
+        if isinstance(value, bool) or not isinstance(value, int | float):
             return value
-        return value / unit
+        unit = self.unit(dimension)
+        return value if unit == 1.0 else value / unit
 
-    def si(self, leaf: str, value: Any) -> Any:
+    def si(self, dimension: Dimension, value: Any) -> Any:
         """A value in r0, U, mu as its SI value: the inverse of :meth:`dimensionless`."""
-        unit = self.unit(leaf)
-        return value if unit is None else value * unit
+        unit = self.unit(dimension)
+        return value if unit == 1.0 or value is None else value * unit
+
+
+#: The scales at which the defaults of a case are those of a red blood cell.
+REFERENCE = Scales()

@@ -3,20 +3,21 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
+from celltrain.parameters.dimension import NUMBER
 from celltrain.parameters.errors import CaseError
+from celltrain.parameters.fields import described
 from celltrain.parameters.resolution import Resolution, Sizes
-from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten, nest
-from celltrain.parameters.scales import Scales
-from celltrain.parameters.section import Real, Section, Whole
-from celltrain.parameters.sections import Cell, Flow, Tube
-from celltrain.parameters.units import BENDING_MODULUS, DILATATION_MODULUS, SHEAR_MODULUS
+from celltrain.parameters.routing import DIMENSIONS, KEPT, SECTIONS, SI_LEAVES, flatten, nest
+from celltrain.parameters.scales import REFERENCE, Scales
+from celltrain.parameters.sections import Cell, Flow, Spacing, Strength, Tube
+from celltrain.parameters.strength import with_strength
 
 Units = Literal["dimensionless", "SI"]
 
 
-class Train(Section):
+class Train(Spacing):
     """A train of equal cells in single file, periodic along a straight tube.
 
     Every leaf can be given by its name or in its section::
@@ -26,7 +27,8 @@ class Train(Section):
 
     Lengths in r0, velocities in U, viscosities in mu; :meth:`from_si` takes SI. Needed are the
     ``diameter`` and the ``packing``; everything else has a default, except the degree: unless it is
-    given a train has none until it is computed, and the train of the result has its own.
+    given a train has none until it is computed, and the train of the result has its own. A
+    ``capillary_number``, which is no leaf of its own, changes the moduli (see `Strength`).
 
     Raises:
         CaseError: for an unknown name, a leaf given twice, and a value that is not allowed; its
@@ -37,10 +39,6 @@ class Train(Section):
     cell: Cell = Cell()
     flow: Flow = Flow()
     resolution: Resolution = Resolution()
-    packing: Real = Field(gt=0, description="packing fraction phi = r0 N/L")
-    cells: Whole = Field(
-        default=8, ge=1, description="number of cells N in the period of the train"
-    )
     scales: Scales = Scales()
 
     if TYPE_CHECKING:  # the leaves arrive by name: more arguments than fields
@@ -52,7 +50,13 @@ class Train(Section):
     def _route(cls, given: Any) -> Any:
         given = dict(given)
         scales = {"scales": given.pop("scales")} if "scales" in given else {}
-        nested = nest(flatten(given))
+        leaves = flatten(given)
+        for name in Strength.model_fields:
+            if name in leaves:
+                known = scales.get("scales", REFERENCE)
+                known = known if isinstance(known, Scales) else Scales(**known)
+                leaves, scales["scales"] = with_strength(leaves, known, leaves.pop(name))
+        nested = nest(leaves)
         train = nested.pop("train")
         return {**nested, **train, **scales}
 
@@ -98,11 +102,13 @@ class Train(Section):
         return self if self.resolution.degree is not None else self.changed(degree=degree)
 
     def leaf(self, name: str) -> Any:
-        """The value of a leaf by its name, such as ``"packing"``.
+        """The value of a leaf by its name, such as ``"packing"``, or the capillary number.
 
         Raises:
             CaseError: for an unknown name.
         """
+        if name in Strength.model_fields:
+            return getattr(self.cell, name)
         leaves = self.leaves()
         if name not in leaves:
             flatten({name: None})  # raises, with the close names, unless it is a section
@@ -114,14 +120,18 @@ class Train(Section):
         leaves = flatten(self.sections())
         if units == "dimensionless":
             return leaves
-        converted = {name: self.scales.si(name, value) for name, value in leaves.items()}
+        converted = {
+            name: self.scales.si(DIMENSIONS[name], value) for name, value in leaves.items()
+        }
         return {**converted, **self.scales.model_dump()}
 
     def sections(self) -> dict[str, dict[str, Any]]:
         """The complete case in the sections of a case file, without the scales."""
-        case = {name: getattr(self, name).model_dump() for name in LEAVES if name != "train"}
-        train = {name: getattr(self, name) for name in LEAVES["train"]}
-        return {name: train if name == "train" else case[name] for name in LEAVES}
+        spacing = {name: getattr(self, name) for name in Spacing.model_fields}
+        return {
+            name: spacing if name == "train" else getattr(self, name).model_dump()
+            for name in SECTIONS
+        }
 
     def changed(self, **leaves: Any) -> "Train":
         """This case with some leaves (or whole sections) replaced, checked again.
@@ -138,7 +148,8 @@ class Train(Section):
 
         The scales are the leaves ``radius`` (r0, m), ``mean_velocity`` (U, m/s) and
         ``plasma_viscosity`` (mu, Pa s). Packing, viscosity ratio and resolution have no dimension
-        (the near cutoff stays in r0). Moduli that are not given are a red blood cell's in SI.
+        (the near cutoff stays in r0). Moduli that are not given are a red blood cell's in SI. A
+        ``capillary_number`` sets the mean velocity.
 
         Raises:
             CaseError: as when a train is made.
@@ -149,14 +160,16 @@ class Train(Section):
     def _from_si_leaves(cls, leaves: Mapping[str, Any]) -> "Train":
         given = {name: leaves[name] for name in Scales.model_fields if name in leaves}
         scales = Scales(**given)
+        # Defaults are the same in SI at all scales.
         defaults = {
-            "shear_modulus": SHEAR_MODULUS,
-            "dilatation_modulus": DILATATION_MODULUS,
-            "bending_modulus": BENDING_MODULUS,
+            name: field.default * (REFERENCE.unit(DIMENSIONS[name]) / scales.unit(DIMENSIONS[name]))
+            for name, field in KEPT.items()
+            if isinstance(field.default, float) and DIMENSIONS[name] != NUMBER
         }
         rest = {name: leaves[name] for name in leaves if name not in given}
         converted = {
-            name: scales.dimensionless(name, value) for name, value in (defaults | rest).items()
+            **defaults,
+            **{name: scales.dimensionless(DIMENSIONS[name], rest[name]) for name in rest},
         }
         try:
             return cls(**converted, scales=scales)
@@ -170,21 +183,16 @@ class Train(Section):
 
     def to_toml(self) -> str:
         """The complete case as the text of a case file; reading it gives an equal train."""
-        described = {
-            **{name: getattr(self, name) for name in LEAVES if name != "train"},
-            "train": self,
-            "scales": self.scales,
-        }
         lines = [
             "# A case of celltrain: lengths in r0, velocities in U, viscosities in mu.",
             "# Sizes that [resolution] does not have follow from the degree.",
         ]
         for section, values in {**self.sections(), "scales": self.scales.model_dump()}.items():
-            fields = type(described[section]).model_fields
+            fields = SECTIONS.get(section, Scales).model_fields
             lines += ["", f"[{section}]"]
             for name, value in values.items():
                 if value is not None:
-                    lines.append(f"{name} = {_toml(value)}  # {fields[name].description}")
+                    lines.append(f"{name} = {_toml(value)}  # {described(fields[name])}")
         return "\n".join(lines) + "\n"
 
 

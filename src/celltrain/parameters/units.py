@@ -1,4 +1,4 @@
-"""Reference values in SI, and the conversion to the numbers that the paper prints.
+"""The conversion to the numbers that the paper prints.
 
 Inside the package lengths are in r0 (radius of the sphere of a cell's volume), velocities in U
 (mean velocity in the tube) and viscosities in mu (plasma); hence rates in U/r0, forces per length
@@ -22,13 +22,6 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-
-#: Shear modulus Es of the membrane, N/m.
-SHEAR_MODULUS = 4.2e-6
-#: Dilatation modulus Ed of the membrane, N/m.
-DILATATION_MODULUS = 67.7e-6
-#: Bending modulus Eb of the membrane, N m.
-BENDING_MODULUS = 1.8e-19
 
 Number = TypeVar("Number", float, np.ndarray)
 

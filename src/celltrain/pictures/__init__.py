@@ -11,7 +11,6 @@ from celltrain.pictures.mechanisms import (
 )
 from celltrain.pictures.neighbours import draw_growth_without_neighbours
 from celltrain.pictures.parameters import draw_parameter_sensitivities
-from celltrain.pictures.plot import plot_all
 from celltrain.pictures.profile import draw_profile
 from celltrain.pictures.pseudospectrum import draw_pseudospectrum
 from celltrain.pictures.search import draw_search
@@ -41,5 +40,4 @@ __all__ = [
     "draw_structural_sensitivity",
     "draw_transient_growth",
     "draw_transient_mode",
-    "plot_all",
 ]

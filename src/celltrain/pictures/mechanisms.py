@@ -1,45 +1,43 @@
 """What the leading mode and the disturbance that grows fastest at first do to the cells."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 from matplotlib.figure import Figure
 
-from celltrain.diagnostics import ModeMotion, deformation_spectrum, mode_motion
-from celltrain.stability import Mode, Stability
+from celltrain.diagnostics import Mechanisms
 
-#: Modes whose turning is drawn.
-MODES = 8
-NAMES = (r"$v_\alpha$, leading mode", r"$v_\eta$, fastest at first")
+LABELS = {
+    "leading mode": r"$v_\alpha$, leading mode",
+    "fastest at first": r"$v_\eta$, fastest at first",
+}
 COLORS = ("#0072B2", "#D55E00")
 
 
-def draw_strain_energies(result: Stability, path: Path) -> Path:
+def draw_strain_energies(found: Mechanisms, path: Path) -> Path:
     """Strain energy of both disturbances by shear, dilatation and bending (Eq. 24, Table I).
 
     Raises:
         OSError: if the picture cannot be written.
     """
-    from celltrain.diagnostics.energy import ENERGY_PARTS, perturbation_energy  # JAX
-
-    energies = [perturbation_energy(result.base, shape) for shape in _disturbances(result)]
     figure = Figure(figsize=(6.0, 3.8), dpi=200, layout="constrained")
     axes = figure.add_subplot()
-    places = np.arange(len(ENERGY_PARTS) + 1)
-    for offset, values, name, color in zip((-0.2, 0.2), energies, NAMES, COLORS, strict=True):
+    parts = tuple(found.strains[0].energies)
+    places = np.arange(len(parts) + 1)
+    largest = 0.0
+    for offset, each, color in zip((-0.2, 0.2), found.strains, COLORS, strict=True):
+        values = np.array(list(each.energies.values()))
         heights = np.append(values, values.sum())
-        axes.bar(places + offset, heights, width=0.38, color=color, label=name)
-    largest = max(float(np.abs(each).max()) for each in energies)
+        largest = max(largest, float(np.abs(values).max()))
+        axes.bar(places + offset, heights, width=0.38, color=color, label=LABELS[each.name])
     axes.set_yscale("symlog", linthresh=1e-3 * largest)
     axes.axhline(0.0, color="0.3", linewidth=0.8)
-    axes.set_xticks(places, [*ENERGY_PARTS, "sum"])
+    axes.set_xticks(places, [*parts, "sum"])
     axes.set_ylabel(r"$W$ of a disturbance ($\mu U r_0^2$)")
     return _finished(figure, path)
 
 
-def draw_deformation_spectra(result: Stability, path: Path) -> Path:
+def draw_deformation_spectra(found: Mechanisms, path: Path) -> Path:
     """Share of each degree n in both disturbances (E_n of Eq. 16, Fig. 10).
 
     Raises:
@@ -47,46 +45,37 @@ def draw_deformation_spectra(result: Stability, path: Path) -> Path:
     """
     figure = Figure(figsize=(5.6, 3.8), dpi=200, layout="constrained")
     axes = figure.add_subplot()
-    for shape, name, color in zip(_disturbances(result), NAMES, COLORS, strict=True):
-        spectrum = deformation_spectrum(shape)
-        axes.semilogy(spectrum / spectrum.sum(), "o-", color=color, markersize=4, label=name)
+    for each, color in zip(found.strains, COLORS, strict=True):
+        share = each.spectrum / each.spectrum.sum()
+        axes.semilogy(share, "o-", color=color, markersize=4, label=LABELS[each.name])
     axes.set_xlabel("degree $n$")
     axes.set_ylabel(r"$E_n/\sum_n E_n$")
     return _finished(figure, path)
 
 
-def draw_mode_motions(
-    result: Stability, path: Path, *, modes: Sequence[Mode] | None = None
-) -> Path:
-    """Tumbling and tank-treading of modes (Eqs. 17 to 21), the leading ones unless given.
+def draw_mode_motions(found: Mechanisms, path: Path) -> Path:
+    """Tumbling and tank-treading of the leading modes (Eqs. 17 to 21).
 
     Raises:
         OSError: if the picture cannot be written.
     """
-    leading = [mode for mode in result.modes if not mode.neutral][:MODES]
-    chosen = leading if modes is None else list(modes)
-    motions: list[ModeMotion] = [mode_motion(result, mode) for mode in chosen]
-    figure = Figure(figsize=(2.4 + 0.8 * len(chosen), 3.8), dpi=200, layout="constrained")
+    figure = Figure(figsize=(2.4 + 0.8 * len(found.modes), 3.8), dpi=200, layout="constrained")
     axes = figure.add_subplot()
-    places = np.arange(len(chosen))
+    places = np.arange(len(found.modes))
     parts = (
-        (r"tumbling $|\omega|$", [each.tumbling for each in motions]),
-        (r"tank-treading $|\Omega - \omega|$", [each.tank_treading for each in motions]),
+        (r"tumbling $|\omega|$", [each.tumbling for each in found.modes]),
+        (r"tank-treading $|\Omega - \omega|$", [each.tank_treading for each in found.modes]),
     )
     for offset, (name, values), color in zip((-0.2, 0.2), parts, COLORS, strict=True):
         axes.bar(places + offset, values, width=0.38, color=color, label=name)
     names = [
         f"$m$ = {mode.azimuthal_number}\n$j$ = {mode.wave_number}\n{mode.growth_rate:.2g}"
-        for mode in chosen
+        for mode in found.modes
     ]
     axes.set_xticks(places, names, fontsize=8)
     axes.set_xlabel("mode and growth rate ($U/r_0$)")
     axes.set_ylabel("rotation over amplitude ($U/r_0^2$)")
     return _finished(figure, path)
-
-
-def _disturbances(result: Stability) -> list[Float[np.ndarray, "cell 3 coefficient"]]:
-    return [result.shape(result.leading), result.transient_shape()]
 
 
 def _finished(figure: Figure, path: Path) -> Path:

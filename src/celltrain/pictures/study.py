@@ -1,5 +1,7 @@
 """A study's numbers over its axes: maps with contours, or curves."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -7,57 +9,55 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-#: What is drawn of a study, and how the axis is called.
-DRAWN = {
-    "spectral_abscissa": r"$\alpha$  ($U/r_0$)",
-    "numerical_abscissa": r"$\eta$  ($U/r_0$)",
-    "gap": r"$\Delta$  ($r_0$)",
-    "effective_viscosity": r"$\mu_\mathrm{eff}/\mu$",
-}
-#: How axes of studies are called in pictures.
+from celltrain.parameters.fields import symbol
+from celltrain.parameters.routing import DIMENSIONS, TAKEN
+from celltrain.quantities.fields import unit_label
+
+#: What is drawn of a study.
+DRAWN = ("spectral_abscissa", "numerical_abscissa", "gap", "effective_viscosity")
+
+
+def _label(text: str, unit: str) -> str:
+    """A symbol over its unit, such as ``$D/r_0$``."""
+    measured = unit.replace("mu", r"\mu").replace("r0", "r_0")
+    over = f"({measured})" if " " in measured or "/" in measured else measured
+    return f"${text}$" if unit == "1" else f"${text}/{over}$"
+
+
+#: How axes of studies are called in pictures; a figure of the paper calls its own Ca.
 LABELS = {
-    "diameter": r"$D/r_0$",
-    "packing": r"$\phi$",
-    "viscosity_ratio": r"$\lambda$",
-    "reduced_volume": "$v$",
-    "Ca": "Ca",
-}
+    name: _label(text, DIMENSIONS[name].unit)
+    for name, field in TAKEN.items()
+    if (text := symbol(field)) is not None
+} | {"Ca": "Ca"}
 # More curves than this are drawn as a map.
 MOST_CURVES = 4
 
 
-def draw_study(data: xr.Dataset, folder: Path) -> list[Path]:
-    """Draw each number of a study that matters into a folder; returns the files.
+def study_pictures(data: xr.Dataset) -> dict[str, Callable[[Path], Path]]:
+    """How each number of a study that matters is drawn, by its name.
 
     One picture for each pair of values of the third and further axes, side by side, would be many;
     only studies with one or two axes of numbers are drawn.
-
-    Raises:
-        OSError: if a picture cannot be written.
     """
     names = [str(name) for name in data["spectral_abscissa"].dims]
     if len(names) > 2 or any(data[name].dtype.kind not in "fi" for name in names):
-        return []
-    paths = []
-    for name, label in DRAWN.items():
-        values = data[name]
-        if not np.isfinite(values).any():
-            continue
-        figure = Figure(figsize=(6.0, 4.5), dpi=200, layout="constrained")
-        axes = figure.subplots()
-        if len(names) == 2 and min(values.shape) > MOST_CURVES:
-            draw_map(axes, values, label)
-        else:
-            draw_curves(
-                axes,
-                values,
-                label,
-                data.get("error_estimate") if name == "spectral_abscissa" else None,
-            )
-        path = folder / f"{name}.png"
-        figure.savefig(path)
-        paths.append(path)
-    return paths
+        return {}
+    return {name: partial(_draw, data, name) for name in DRAWN if np.isfinite(data[name]).any()}
+
+
+def _draw(data: xr.Dataset, name: str, path: Path) -> Path:
+    values = data[name]
+    label = f"${values.attrs['symbol']}${unit_label(values.attrs['units'])}"
+    figure = Figure(figsize=(6.0, 4.5), dpi=200, layout="constrained")
+    axes = figure.subplots()
+    if values.ndim == 2 and min(values.shape) > MOST_CURVES:
+        draw_map(axes, values, label)
+    else:
+        errors = data.get("error_estimate") if name == "spectral_abscissa" else None
+        draw_curves(axes, values, label, errors)
+    figure.savefig(path)
+    return path
 
 
 def draw_map(axes: Axes, values: xr.DataArray, label: str) -> None:

@@ -1,4 +1,4 @@
-"""Results: the registry of quantities, files, summaries for programs, reports for people.
+"""Results in files and as plain numbers: any dataclass whose fields say what they are.
 
 What files need takes half a second to load: it is imported when it is asked for.
 """
@@ -6,32 +6,44 @@ What files need takes half a second to load: it is imported when it is asked for
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from celltrain.results.registry import QUANTITIES, Quantity, attributes, print_registry, quantity
+from celltrain.results.plain import Plain, plain, summary
 from celltrain.results.replace import remove_leftovers, replace_file
-from celltrain.results.report import print_report, verdict
-from celltrain.results.summary import summary
 
 if TYPE_CHECKING:
-    from celltrain.results.netcdf import dataset, load, reading, save
+    from celltrain.results.netcdf import (
+        ForeignFile,
+        from_dataset,
+        read,
+        read_dataset,
+        save,
+        to_dataset,
+        write_dataset,
+    )
+
+_OF_FILES = (
+    "ForeignFile",
+    "from_dataset",
+    "read",
+    "read_dataset",
+    "save",
+    "to_dataset",
+    "write_dataset",
+)
 
 __all__ = [
-    "QUANTITIES",
-    "Quantity",
-    "attributes",
-    "dataset",
-    "load",
-    "print_registry",
-    "print_report",
-    "quantity",
-    "reading",
+    "ForeignFile",
+    "Plain",
+    "from_dataset",
+    "plain",
+    "read",
+    "read_dataset",
     "remove_leftovers",
     "replace_file",
     "save",
     "summary",
-    "verdict",
+    "to_dataset",
+    "write_dataset",
 ]
-
-_OF_FILES = ("dataset", "load", "reading", "save")
 
 
 def __getattr__(name: str) -> object:

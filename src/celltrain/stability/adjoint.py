@@ -16,20 +16,18 @@ part along the gradient of the volume, which makes it shorter but gives them the
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Complex, Float
 
 from celltrain.harmonics import azimuthal_basis, real_harmonics
 from celltrain.parameters import CaseError
+from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability.coordinates import normed_block
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import Norm, OrthonormalNorm
 from celltrain.stability.result import Mode, Stability
-
-if TYPE_CHECKING:
-    import xarray
 
 Meridian = Float[np.ndarray, " point"]
 
@@ -38,8 +36,8 @@ Meridian = Float[np.ndarray, " point"]
 NEAR_DOUBLE = 20.0
 
 
-@dataclass(frozen=True)
-class StructuralSensitivity:
+@dataclass(frozen=True, eq=False)
+class StructuralSensitivity(Record):
     """Where on the membrane a mode's eigenvalue is made; a function of theta alone.
 
     `theta` is the parameter from the front pole to the rear one (radians); `radius` and `axial` the
@@ -49,39 +47,29 @@ class StructuralSensitivity:
     """
 
     mode: Mode
-    theta: Meridian
-    radius: Meridian
-    axial: Meridian
-    direct: Meridian
-    adjoint: Meridian
-    sensitivity: Meridian
+    theta: Annotated[
+        Meridian, Quantity(r"\theta", "rad", "parameter from the front pole to the rear one")
+    ]
+    radius: Annotated[Meridian, Quantity("r", "r0", "distance of the membrane from the axis")]
+    axial: Annotated[Meridian, Quantity("z", "r0", "axial place of the membrane")]
+    direct: Annotated[Meridian, Quantity("|r|", "1", "size of the mode")]
+    adjoint: Annotated[Meridian, Quantity("|l|", "1", "size of the adjoint mode")]
+    sensitivity: Annotated[
+        Meridian,
+        Quantity(
+            "",
+            "1",
+            "structural sensitivity per solid angle",
+            equation=r"|l| |r|/|\langle l, r\rangle|",
+            source="Giannetti & Luchini (2007)",
+        ),
+    ]
 
     @property
+    @quantity(Quantity("", "1", "integral of the structural sensitivity over the sphere"))
     def integral(self) -> float:
         """Integral of the sensitivity over the sphere: 1 for a normal mode, more otherwise."""
         return float(np.trapezoid(2.0 * np.pi * np.sin(self.theta) * self.sensitivity, self.theta))
-
-    def to_dataset(self) -> "xarray.Dataset":
-        """The curves over theta as a data set with units, ready for netCDF."""
-        import xarray as xr
-
-        def curve(values: Meridian, unit: str, name: str) -> xr.Variable:
-            return xr.Variable("theta", values, {"long_name": name, "units": unit})
-
-        return xr.Dataset(
-            {
-                "membrane_radius": curve(
-                    self.radius, "r0", "distance of the membrane from the axis"
-                ),
-                "membrane_axial": curve(self.axial, "r0", "axial place of the membrane"),
-                "direct": curve(self.direct, "1", "size of the mode, |r|"),
-                "adjoint": curve(self.adjoint, "1", "size of the adjoint mode, |l|"),
-                "sensitivity": curve(
-                    self.sensitivity, "1", "structural sensitivity per solid angle"
-                ),
-            },
-            coords={"theta": ("theta", self.theta, {"units": "radian"})},
-        )
 
 
 def mode_vectors(

@@ -22,13 +22,14 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Annotated, ClassVar
 
 import numpy as np
 import scipy  # loads its parts when they are used
 from jaxtyping import Complex, Float
 
 from celltrain.parameters import CaseError, Train
+from celltrain.quantities import Quantity, Record
 from celltrain.stability.convergence import (
     ACCURACY,
     NUMBERS,
@@ -46,9 +47,6 @@ from celltrain.steady.base import IterationProgress
 from celltrain.steady.degree import Convergence
 from celltrain.steady.solve import with_velocity_error
 
-if TYPE_CHECKING:
-    import xarray
-
 SAMPLES = 17
 #: Smallest phase but 0 for which the dynamics is accurate.
 SMALLEST = 1e-3
@@ -59,41 +57,64 @@ PHASE_TOLERANCE = 1e-5
 Phases = Float[np.ndarray, " phase"]
 
 
-@dataclass(frozen=True)
-class WaveMode:
+@dataclass(frozen=True, eq=False)
+class WaveMode(Record):
     """The fastest growing mode of A_m(q), neutral modes set aside; q in radians per cell.
 
     `right` and `left` are its vectors in `azimuthal_basis(degree, m)`, left^H right = 1.
     """
 
-    growth_rate: float
-    frequency: float
-    azimuthal_number: int
-    phase: float
-    right: Complex[np.ndarray, " size"]
-    left: Complex[np.ndarray, " size"]
+    growth_rate: Annotated[
+        float, Quantity(r"\alpha_m(q)", "U/r0", "largest growth rate, neutral modes set aside")
+    ]
+    frequency: Annotated[float, Quantity(r"\omega_m(q)", "U/r0", "frequency of the same mode")]
+    azimuthal_number: Annotated[int, Quantity("m", "1", "azimuthal number of the mode")]
+    phase: Annotated[float, Quantity("q", "rad", "phase of the mode from cell to cell")]
+    right: Annotated[
+        Complex[np.ndarray, " size"],
+        Quantity("v", "1", "right vector of the mode", ("row",), bulky=True),
+    ]
+    left: Annotated[
+        Complex[np.ndarray, " size"],
+        Quantity("w", "1", "left vector of the mode", ("row",), bulky=True),
+    ]
 
 
-@dataclass(frozen=True)
-class InfiniteTrain:
+@dataclass(frozen=True, eq=False)
+class InfiniteTrain(Record):
     """The linear dynamics of an infinite train at the phases q, rates in U/r0.
 
     `leading` holds for each m one mode for each q; `numerical_abscissas` for each m the largest
     initial growth rates in the norm (see `coordinates` for what it does about neutral modes).
     `most_unstable` is the best of all q, by optimisation, not of the samples only;
     `error_estimate` the error of the largest growth rate by `convergence`, that rate at several
-    degrees (not a number, and empty, if that was not asked for).
+    degrees (NaN, and empty, if that was not asked for).
     """
 
+    kind: ClassVar[str] = "infinite"
+    title: ClassVar[str] = "linear dynamics of an infinite train of cells in a tube"
+
     base: Base
-    norm: str
-    phases: Phases
-    leading: dict[int, tuple[WaveMode, ...]]
-    numerical_abscissas: dict[int, Phases]
+    norm: Annotated[str, Quantity("", "1", "norm of disturbances")]
+    phases: Annotated[Phases, Quantity("q", "rad", "phases from cell to cell")]
+    leading: Annotated[
+        dict[int, tuple[WaveMode, ...]], Quantity("", "1", "the leading mode at each phase")
+    ]
+    numerical_abscissas: Annotated[
+        dict[int, Phases],
+        Quantity(r"\eta_m(q)", "U/r0", "largest initial growth rate in the norm", ("phase",)),
+    ]
     most_unstable: WaveMode
-    error_estimate: float
+    error_estimate: Annotated[
+        float,
+        Quantity(
+            r"\delta\alpha",
+            "U/r0",
+            "error of the largest growth rate by what its changes with the degree leave",
+        ),
+    ]
     convergence: Convergence
-    seconds: dict[str, float]
+    seconds: Annotated[dict[str, float], Quantity("", "s", "wall time of each stage")]
 
     @property
     def azimuthal_numbers(self) -> tuple[int, ...]:
@@ -107,59 +128,6 @@ class InfiniteTrain:
     def frequencies(self, m: int) -> Phases:
         """Imaginary part of the leading eigenvalue of A_m(q); the phase moves at -this/q."""
         return np.array([mode.frequency for mode in self.leading[m]])
-
-    def to_dataset(self) -> "xarray.Dataset":
-        """Curves and optimum as a data set with units, ready for netCDF."""
-        import xarray as xr
-
-        numbers = self.azimuthal_numbers
-        dims = ("azimuthal", "phase")
-        best = self.most_unstable
-
-        def table(rows: list[Phases], symbol: str, name: str) -> xr.Variable:
-            notes = {"long_name": name, "units": "U/r0", "symbol": symbol}
-            return xr.Variable(dims, np.stack(rows), notes)
-
-        def number(value: float, unit: str, name: str) -> xr.Variable:
-            return xr.Variable((), value, {"long_name": name, "units": unit})
-
-        return xr.Dataset(
-            {
-                "growth_rate": table(
-                    [self.growth_rates(m) for m in numbers],
-                    r"\alpha_m(q)",
-                    "largest growth rate, neutral modes set aside",
-                ),
-                "frequency": table(
-                    [self.frequencies(m) for m in numbers],
-                    r"\omega_m(q)",
-                    "frequency of the same mode",
-                ),
-                "numerical_abscissa": table(
-                    [self.numerical_abscissas[m] for m in numbers],
-                    r"\eta_m(q)",
-                    f"largest initial growth rate in the norm {self.norm}",
-                ),
-                "most_unstable_growth_rate": number(
-                    best.growth_rate, "U/r0", "growth rate of the most unstable wave"
-                ),
-                "most_unstable_frequency": number(best.frequency, "U/r0", "its frequency"),
-                "most_unstable_phase": number(best.phase, "radian", "its phase from cell to cell"),
-                "most_unstable_azimuthal_number": number(
-                    float(best.azimuthal_number), "1", "its azimuthal number"
-                ),
-            },
-            coords={
-                "azimuthal": ("azimuthal", np.array(numbers)),
-                "phase": ("phase", self.phases, {"units": "radian", "symbol": "q"}),
-            },
-            attrs={
-                "title": "linear dynamics of an infinite train",
-                "norm": self.norm,
-                "case": self.base.train.to_toml(),
-                "origin": self.base.origin,
-            },
-        )
 
 
 def infinite_train(

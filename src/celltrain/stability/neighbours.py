@@ -15,11 +15,13 @@ displacement of the whole train does not, since cells then no longer feel all th
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Complex
 
 from celltrain.parameters import CaseError
+from celltrain.quantities import Quantity
 from celltrain.stability.linearise import Blocks
 from celltrain.stability.neutral import NeutralSpace, neutral_space
 from celltrain.stability.result import Stability
@@ -33,10 +35,18 @@ class GrowthWithout:
     `azimuthal_number` and `wave_number` (j of q = 2 pi j/N) are those of its mode.
     """
 
-    removed: int
-    spectral_abscissa: float
-    azimuthal_number: int
-    wave_number: int
+    removed: Annotated[int, Quantity("n", "1", "neighbours removed on each side")]
+    spectral_abscissa: Annotated[
+        float,
+        Quantity(
+            r"\tilde\alpha(n)",
+            "U/r0",
+            "largest growth rate without them",
+            source="Eq. (22)",
+        ),
+    ]
+    azimuthal_number: Annotated[int, Quantity("m", "1", "azimuthal number of its mode")]
+    wave_number: Annotated[int, Quantity("j", "1", "wave number of its mode")]
 
 
 def couplings(

@@ -23,7 +23,7 @@ Close to a multiple one, where l^H r of unit vectors vanishes, the derivative be
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Complex
@@ -32,6 +32,7 @@ from celltrain.harmonics import Profile, profile_of
 from celltrain.meridian.double_layer import DoubleLayer
 from celltrain.meridian.train import SMALLEST_PHASE, TrainFlow
 from celltrain.parameters import CaseError
+from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability.adjoint import mode_vectors
 from celltrain.stability.infinite import WaveMode
 from celltrain.stability.result import Mode, Stability
@@ -41,30 +42,40 @@ from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.sensitivity import BaseSensitivity, base_sensitivities
 from celltrain.steady.varied import VariedTrain
 
-if TYPE_CHECKING:
-    import xarray
-
 Vector = Complex[np.ndarray, " size"]
 
 
-@dataclass(frozen=True)
-class ParameterSensitivity:
+@dataclass(frozen=True, eq=False)
+class ParameterSensitivity(Record):
     """Derivatives by one parameter: of an eigenvalue (U/r0) and of the steady train."""
 
-    parameter: str
-    value: float
-    growth_rate: float
-    frequency: float
+    parameter: Annotated[str, Quantity("p", "1", "name of the parameter")]
+    value: Annotated[float, Quantity("p", "", "value of the parameter, in r0, mu and U")]
+    growth_rate: Annotated[
+        float,
+        Quantity(
+            r"d\alpha/dp",
+            "U/r0 per parameter",
+            "derivative of the growth rate",
+            equation=r"d\lambda/dp = w^H (dA/dp) v",
+        ),
+    ]
+    frequency: Annotated[
+        float, Quantity(r"d\omega/dp", "U/r0 per parameter", "derivative of the frequency")
+    ]
     base: BaseSensitivity
 
     @property
+    @quantity(
+        Quantity(r"p\,d\alpha/dp", "U/r0", "change for each relative change of the parameter")
+    )
     def relative(self) -> float:
         """d(growth rate)/d(log p), in U/r0: the change by one per cent of p is 0.01 of it."""
         return self.value * self.growth_rate
 
 
-@dataclass(frozen=True)
-class ParameterSensitivities:
+@dataclass(frozen=True, eq=False)
+class ParameterSensitivities(Record):
     """Derivatives of one eigenvalue of the linear dynamics by the parameters of its train.
 
     `mode` has the eigenvalue itself, with q in radians per cell; `entries` are keyed by parameter.
@@ -73,46 +84,6 @@ class ParameterSensitivities:
     base: Base
     mode: WaveMode
     entries: dict[str, ParameterSensitivity]
-
-    def to_dataset(self) -> "xarray.Dataset":
-        """All derivatives as a data set, ready for netCDF; parameters in r0, mu U and mu U r0^2."""
-        import xarray as xr
-
-        entries = self.entries.values()
-
-        def column(values: list[float], unit: str, name: str) -> xr.Variable:
-            return xr.Variable("parameter", values, {"long_name": name, "units": unit})
-
-        of_base = [entry.base for entry in entries]
-        notes = {"title": "sensitivities of a mode and its train", "origin": self.base.origin}
-        return xr.Dataset(
-            {
-                "value": column([e.value for e in entries], "", "value of the parameter"),
-                "growth_rate": column(
-                    [e.growth_rate for e in entries], "U/r0 per parameter", "d(growth rate)/dp"
-                ),
-                "frequency": column(
-                    [e.frequency for e in entries], "U/r0 per parameter", "d(frequency)/dp"
-                ),
-                "cell_velocity": column(
-                    [b.cell_velocity for b in of_base], "U per parameter", "d(cell velocity)/dp"
-                ),
-                "effective_viscosity": column(
-                    [b.effective_viscosity for b in of_base],
-                    "mu per parameter",
-                    "d(effective viscosity)/dp",
-                ),
-            },
-            coords={"parameter": list(self.entries)},
-            attrs=notes
-            | {
-                "case": self.base.train.to_toml(),
-                "mode_growth_rate": self.mode.growth_rate,
-                "mode_frequency": self.mode.frequency,
-                "mode_azimuthal_number": self.mode.azimuthal_number,
-                "mode_phase": self.mode.phase,
-            },
-        )
 
 
 def parameter_sensitivities(

@@ -16,16 +16,19 @@ of a simple leading eigenvalue (z next to it).
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
 import numpy as np
 import scipy  # loads its parts when they are used
 from jaxtyping import Complex, Float
 
 from celltrain.parameters import CaseError
+from celltrain.quantities import Quantity, Record
 from celltrain.stability.coordinates import normed_block
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import Norm, PaperNorm
 from celltrain.stability.result import Stability
+from celltrain.steady import Base
 
 Matrix = Complex[np.ndarray, "size size"]
 
@@ -62,26 +65,57 @@ class Kreiss:
     If `point` is an eigenvalue or far away, the supremum is the limit there.
     """
 
-    constant: float
-    point: complex
+    constant: Annotated[
+        float,
+        Quantity(
+            "K",
+            "1",
+            "Kreiss constant",
+            equation=r"K = \sup (\mathrm{Re} z - \alpha) |(z - B)^{-1}|",
+            source="Trefethen & Embree (2005), chapter 14",
+        ),
+    ]
+    point: Annotated[complex, Quantity("z", "U/r0", "where it is found")]
 
 
-@dataclass(frozen=True)
-class Pseudospectrum:
+@dataclass(frozen=True, eq=False)
+class Pseudospectrum(Record):
     """Pseudospectra of the block A_m(q), q = 2 pi j/N with j = `wave_number`, in U/r0.
 
     `smallest` is the smallest singular value of z - B at z = real + i imaginary.
     """
 
-    azimuthal_number: int
-    wave_number: int
-    norm: str
-    real: Float[np.ndarray, " column"]
-    imaginary: Float[np.ndarray, " row"]
-    smallest: Float[np.ndarray, "row column"]
-    eigenvalues: Complex[np.ndarray, " eigenvalue"]
-    spectral_abscissa: float
-    numerical_abscissa: float
+    kind: ClassVar[str] = "pseudospectrum"
+    title: ClassVar[str] = "pseudospectra of a block of the linear dynamics"
+
+    base: Base
+    azimuthal_number: Annotated[int, Quantity("m", "1", "azimuthal number of the block")]
+    wave_number: Annotated[int, Quantity("j", "1", "wave number of the block")]
+    norm: Annotated[str, Quantity("", "1", "norm of disturbances")]
+    real: Annotated[
+        Float[np.ndarray, " column"],
+        Quantity(r"\mathrm{Re} z", "U/r0", "real parts of the grid", bulky=True),
+    ]
+    imaginary: Annotated[
+        Float[np.ndarray, " row"],
+        Quantity(r"\mathrm{Im} z", "U/r0", "imaginary parts of the grid", bulky=True),
+    ]
+    smallest: Annotated[
+        Float[np.ndarray, "row column"],
+        Quantity(
+            r"1/|(z - B)^{-1}|", "U/r0", "smallest singular value of z - B on the grid", bulky=True
+        ),
+    ]
+    eigenvalues: Annotated[
+        Complex[np.ndarray, " eigenvalue"],
+        Quantity(r"\lambda", "U/r0", "eigenvalues, neutral modes left out"),
+    ]
+    spectral_abscissa: Annotated[
+        float, Quantity(r"\alpha", "U/r0", "largest growth rate of the block")
+    ]
+    numerical_abscissa: Annotated[
+        float, Quantity(r"\eta", "U/r0", "largest initial growth rate of the block")
+    ]
     kreiss: Kreiss
 
 
@@ -187,6 +221,7 @@ def pseudospectrum(
     imaginary = np.linspace(window.bottom, window.top, points)
     smallest = smallest_singular_value(block.matrix)
     return Pseudospectrum(
+        base=result.base,
         azimuthal_number=azimuthal_number,
         wave_number=wave_number,
         norm=norm.name,

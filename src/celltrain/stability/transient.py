@@ -10,15 +10,18 @@ disturbances are orthogonal, so the largest G of a train is that of one of its b
 """
 
 from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 import scipy  # loads its parts when they are used
 from jaxtyping import Complex, Float
 
 from celltrain.parameters import CaseError
+from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability.coordinates import NormedBlock, normed_blocks
 from celltrain.stability.norms import Norm, PaperNorm
 from celltrain.stability.result import Stability, TransientMode
+from celltrain.steady import Base
 
 # Times from this part of the last one on, in equal ratios.
 FIRST_TIME = 1e-4
@@ -35,37 +38,56 @@ class Peak:
     it rises to the end.
     """
 
-    time: float
-    growth: float
-    interior: bool
+    time: Annotated[float, Quantity("t", "r0/U", "time of the peak")]
+    growth: Annotated[float, Quantity("G", "1", "growth at the peak")]
+    interior: Annotated[bool, Quantity("", "1", "whether growth falls again after it")]
 
 
-@dataclass(frozen=True)
-class BlockGrowth:
+@dataclass(frozen=True, eq=False)
+class BlockGrowth(Record):
     """Growth of the disturbances of one block; `wave_number` is j of q = 2 pi j/N."""
 
-    azimuthal_number: int
-    wave_number: int
-    growth: Times
-    numerical_abscissa: float
-    spectral_abscissa: float
+    azimuthal_number: Annotated[int, Quantity("m", "1", "azimuthal number of the block")]
+    wave_number: Annotated[int, Quantity("j", "1", "wave number of the block")]
+    growth: Annotated[
+        Times,
+        Quantity(
+            "G(t)",
+            "1",
+            "largest growth of a disturbance of the block",
+            ("times",),
+            equation=r"G(t) = \max_d |e^{A t} d|/|d|",
+        ),
+    ]
+    numerical_abscissa: Annotated[
+        float, Quantity(r"\eta", "U/r0", "largest initial growth rate of the block")
+    ]
+    spectral_abscissa: Annotated[
+        float, Quantity(r"\alpha", "U/r0", "largest growth rate of the block")
+    ]
     peak: Peak
 
 
-@dataclass(frozen=True)
-class OptimalDisturbance:
+@dataclass(frozen=True, eq=False)
+class OptimalDisturbance(Record):
     """The disturbance that has grown most at a time, Eq. (a) of the module.
 
     `initial` has unit norm, `final` = exp(A t) initial; both in `azimuthal_basis(degree, m)` and
     the smallest among those that differ by neutral displacements.
     """
 
-    azimuthal_number: int
-    wave_number: int
-    time: float
-    growth: float
-    initial: Complex[np.ndarray, " size"]
-    final: Complex[np.ndarray, " size"]
+    azimuthal_number: Annotated[int, Quantity("m", "1", "azimuthal number of the disturbance")]
+    wave_number: Annotated[int, Quantity("j", "1", "wave number of the disturbance")]
+    time: Annotated[float, Quantity("t", "r0/U", "time at which it has grown most of all")]
+    growth: Annotated[float, Quantity("G", "1", "how much it has grown then")]
+    initial: Annotated[
+        Complex[np.ndarray, " size"],
+        Quantity("", "1", "the disturbance at first", ("row",), bulky=True),
+    ]
+    final: Annotated[
+        Complex[np.ndarray, " size"],
+        Quantity("", "1", "what has become of it", ("row",), bulky=True),
+    ]
 
     def shapes(
         self, result: Stability
@@ -80,8 +102,8 @@ class OptimalDisturbance:
         return train(self.initial), train(self.final)
 
 
-@dataclass(frozen=True)
-class TransientGrowth:
+@dataclass(frozen=True, eq=False)
+class TransientGrowth(Record):
     """How far disturbances of a train grow, times in r0/U.
 
     `blocks` holds G(t) of every block; `modal` is |exp(A t) v_alpha| and `abrupt` |exp(A t) v_eta|
@@ -89,25 +111,53 @@ class TransientGrowth:
     belongs to the highest interior peak of all blocks; if there is none, to the last time.
     """
 
-    result: Stability
-    norm: str
-    times: Times
+    kind: ClassVar[str] = "transient"
+    title: ClassVar[str] = "transient growth of disturbances of a steady train"
+
+    result: Annotated[Stability, Quantity("", "1", "the linear dynamics", bulky=True)]
+    norm: Annotated[str, Quantity("", "1", "norm in which growth is measured")]
+    times: Annotated[Times, Quantity("t", "r0/U", "times", ("times",))]
     blocks: tuple[BlockGrowth, ...]
-    modal: Times
-    abrupt: Times
+    modal: Annotated[
+        Times,
+        Quantity(r"|e^{A t} v_\alpha|", "1", "growth of the leading mode", ("times",)),
+    ]
+    abrupt: Annotated[
+        Times,
+        Quantity(
+            r"|e^{A t} v_\eta|",
+            "1",
+            "growth of the disturbance that grows fastest at first",
+            ("times",),
+        ),
+    ]
     optimal: OptimalDisturbance
 
     @property
+    def base(self) -> Base:
+        """The steady train."""
+        return self.result.base
+
+    @property
+    @quantity(Quantity("G(t)", "1", "largest growth of all disturbances", ("times",)))
     def growth(self) -> Times:
         """G(t) of the train: the largest of its blocks'."""
         return np.asarray(np.max([block.growth for block in self.blocks], axis=0))
 
     @property
+    @quantity(Quantity("G", "1", "the largest passing growth"))
+    def largest_growth(self) -> float:
+        """G at the highest interior peak; if there is none, at the last time."""
+        return self.optimal.growth
+
+    @property
+    @quantity(Quantity(r"\eta", "U/r0", "initial growth rate"))
     def numerical_abscissa(self) -> float:
         """dG/dt at t = 0, in U/r0."""
         return max(block.numerical_abscissa for block in self.blocks)
 
     @property
+    @quantity(Quantity(r"\alpha", "U/r0", "growth rate for long times"))
     def spectral_abscissa(self) -> float:
         """Growth rate of G as t becomes large, in U/r0."""
         return max(block.spectral_abscissa for block in self.blocks)

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from celltrain.harmonics import Profile, profile_of
 from celltrain.parameters import Train
+from celltrain.quantities import Quantity, Record
 
 
 @dataclass(frozen=True)
@@ -19,18 +20,21 @@ class Iteration:
     infinite for Newton's method.
     """
 
-    method: Literal["march", "newton"]
-    residual: float
-    step: float
-    cell_velocity: float
+    method: Annotated[Literal["march", "newton"], Quantity("", "1", "march or newton")]
+    residual: Annotated[float, Quantity("", "U", "residual before the iteration")]
+    step: Annotated[
+        float,
+        Quantity(r"\Delta t", "r0/U", "pseudo-time step, infinite for Newton's method"),
+    ]
+    cell_velocity: Annotated[float, Quantity("U_c", "U", "velocity of the train")]
 
 
 #: Called after every iteration.
 IterationProgress = Callable[[Iteration], None]
 
 
-@dataclass(frozen=True)
-class Base:
+@dataclass(frozen=True, eq=False)
+class Base(Record):
     """A steady train of equal axisymmetric cells, in r0, U and mu.
 
     `coefficients` are those of one cell whose mean point is at z = 0; the others are copies, one
@@ -41,18 +45,71 @@ class Base:
     (see `rates_error`).
     """
 
+    kind: ClassVar[str] = "base"
+    title: ClassVar[str] = "steady train of cells in a tube"
+
     train: Train
-    coefficients: Float[np.ndarray, "3 coefficient"]
-    cell_velocity: float
-    gap: float
-    largest_radius: float
-    effective_viscosity: float
-    residual: float
-    truncation_error: float
-    velocity_error: float
+    coefficients: Annotated[
+        Float[np.ndarray, "3 coefficient"],
+        Quantity(
+            "s",
+            "r0",
+            "shape of one cell: coefficients of x, y, z in real orthonormal spherical harmonics;"
+            " column n*n + n + m holds degree n and order m, cos(m phi) for m > 0, sin(|m| phi) for"
+            " m < 0",
+            ("axis", "coefficient"),
+            bulky=True,
+        ),
+    ]
+    cell_velocity: Annotated[
+        float, Quantity("U_c", "U", "velocity at which the steady train moves")
+    ]
+    gap: Annotated[
+        float,
+        Quantity(
+            r"\Delta",
+            "r0",
+            "least streamwise distance between the membranes of neighbouring cells",
+        ),
+    ]
+    largest_radius: Annotated[
+        float, Quantity(r"r_\mathrm{max}", "r0", "largest distance of a cell from the axis")
+    ]
+    effective_viscosity: Annotated[
+        float,
+        Quantity(
+            r"\mu_\mathrm{eff}",
+            "mu",
+            "viscosity of the plain fluid with the same pressure drop at the same flow rate",
+        ),
+    ]
+    residual: Annotated[
+        float,
+        Quantity(
+            r"\max|v - U_c e_z|",
+            "U",
+            "largest velocity of the membrane relative to the moving train",
+        ),
+    ]
+    truncation_error: Annotated[
+        float,
+        Quantity(
+            r"\max|u - v|",
+            "U",
+            "the same before the velocity is cut at the degree of the shape",
+        ),
+    ]
+    velocity_error: Annotated[
+        float,
+        Quantity(
+            r"\max|\Delta v|/\max|v|",
+            "1",
+            "estimated relative error of the velocity by the rules and grids",
+        ),
+    ]
     history: tuple[Iteration, ...]
-    origin: str
-    seconds: dict[str, float]
+    origin: Annotated[str, Quantity("", "1", "how the steady train was reached")]
+    seconds: Annotated[dict[str, float], Quantity("", "s", "wall time of each stage")]
 
     @property
     def profile(self) -> Profile:

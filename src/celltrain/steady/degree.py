@@ -15,6 +15,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Annotated
+
+from celltrain.quantities import Quantity
 
 #: The degrees that are tried, one after another.
 DEGREES = (12, 16, 20, 24, 32, 40, 48)
@@ -31,14 +34,18 @@ class Convergence:
     `least` is the smallest error that is stated, as the smallest changes are also chance.
     """
 
-    degree: int
-    degrees: tuple[int, ...] = ()
-    values: tuple[float, ...] = ()
-    least: float = 0.0
+    degree: Annotated[int, Quantity("M", "1", "degree that is taken")]
+    degrees: Annotated[
+        tuple[int, ...], Quantity("M", "1", "degrees at which the number was computed")
+    ] = ()
+    values: Annotated[
+        tuple[float, ...], Quantity("", "U/r0", "the growth rate at these degrees")
+    ] = ()
+    least: Annotated[float, Quantity("", "U/r0", "the smallest error that is stated")] = 0.0
 
     @property
     def left(self) -> float:
-        """What the last degree leaves open; not a number from a single degree."""
+        """What the last degree leaves open; NaN from a single degree."""
         return max(remaining(self.values), self.least) if len(self.values) > 1 else math.nan
 
     @property
@@ -50,7 +57,7 @@ class Convergence:
 
 
 def remaining(values: Sequence[float]) -> float:
-    """What a sequence leaves open (see the module); not a number for one value alone."""
+    """What a sequence leaves open (see the module); NaN for one value alone."""
     changes = [abs(b - a) for a, b in pairwise(values)]
     if not changes:
         return math.nan

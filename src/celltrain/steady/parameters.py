@@ -1,36 +1,48 @@
 """The numbers by which trains are differentiated, and along which they are followed.
 
-They are leaves of a case, with two differences. The reduced volume of a biconcave cell has a value,
-the healthy cell's, also where a case gives none. The capillary number Ca = mu U/Es is no leaf: it
-is the strength of the flow, to which all three moduli of the membrane are in inverse proportion.
+They are those of a case by which its equations have derivatives at fixed shapes: the tube's, the
+flow's, and whatever the laws of the membrane are made of. The reduced volume of a biconcave cell
+has a value, the healthy cell's, also where a case gives none.
 """
 
 from collections.abc import Sequence
+from dataclasses import fields
 
+from celltrain.laws import BENDINGS, LAWS
 from celltrain.membrane import healthy_reduced_volume
-from celltrain.parameters import CaseError, Train
+from celltrain.parameters import CaseError, Cell, Train
 
-MODULI = ("shear_modulus", "dilatation_modulus", "bending_modulus")
+_OF_LAWS = {field.name for law in (*LAWS.values(), *BENDINGS.values()) for field in fields(law)}
+
+#: Numbers of a cell that its laws depend on.
+MATERIAL = tuple(name for name in Cell.model_fields if name in _OF_LAWS)
 
 #: Parameters of a train by which its rates can be differentiated at fixed shapes.
 PARAMETERS = (
     "diameter",
     "packing",
     "viscosity_ratio",
-    *MODULI,
+    *MATERIAL,
     "capillary_number",
     "reduced_volume",
 )
 
 
 def parameters_of(train: Train) -> tuple[str, ...]:
-    """Those of `PARAMETERS` that a train has: only a biconcave cell has a reduced volume."""
-    biconcave = train.cell.reference == "biconcave"
-    return PARAMETERS if biconcave else tuple(p for p in PARAMETERS if p != "reduced_volume")
+    """Those of `PARAMETERS` that a train has.
+
+    Of `MATERIAL` those of its own laws; only a biconcave cell has a reduced volume.
+    """
+    laws = LAWS[train.cell.law], BENDINGS[train.cell.bending]
+    own = {field.name for law in laws for field in fields(law)}
+    lacking = set(MATERIAL) - own
+    if train.cell.reference != "biconcave":
+        lacking.add("reduced_volume")
+    return tuple(name for name in PARAMETERS if name not in lacking)
 
 
 def check_parameters(names: Sequence[str], train: Train) -> None:
-    """See to it that a train can be differentiated by these parameters.
+    """Check that a train can be differentiated by these parameters.
 
     **Raises:** `CaseError` if not.
     """
@@ -46,21 +58,6 @@ def parameter_value(train: Train, name: str) -> float:
     **Raises:** `CaseError` if the train has none.
     """
     check_parameters([name], train)
-    if name == "capillary_number":
-        return train.cell.capillary_number
     value = train.leaf(name)
     # Only a reduced volume may be left open.
     return healthy_reduced_volume(train.degree) if value is None else float(value)
-
-
-def with_parameter(train: Train, name: str, value: float) -> Train:
-    """The train with another value of one of `PARAMETERS`.
-
-    **Raises:** `CaseError` for a value that is not allowed.
-    """
-    if name != "capillary_number":
-        return train.changed(**{name: value})
-    if not value > 0.0:
-        raise CaseError(f"capillary_number = {value:g} is not allowed; allowed: a number > 0")
-    factor = train.cell.capillary_number / value
-    return train.changed(**{modulus: factor * train.leaf(modulus) for modulus in MODULI})

@@ -13,30 +13,51 @@ train's cells move rigidly.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float
 
 from celltrain.harmonics import UNIT_DISPLACEMENT, Profile, coefficients_of
+from celltrain.quantities import Quantity, Record
 from celltrain.steady.base import Base
 from celltrain.steady.parameters import check_parameters, parameters_of
 from celltrain.steady.problem import SteadyProblem, Unknowns, change_of_profile
 from celltrain.steady.varied import VariedTrain
 
 
-@dataclass(frozen=True)
-class BaseSensitivity:
+@dataclass(frozen=True, eq=False)
+class BaseSensitivity(Record):
     """Derivatives of a steady train by one parameter, in the parameter's and the quantity's units.
 
     `residual` is the largest rate of change left by the derivative of the shape, relative to the
     parameter's own: how exactly the linear equations are solved.
     """
 
-    parameter: str
-    coefficients: Float[np.ndarray, "3 coefficient"]
-    cell_velocity: float
-    effective_viscosity: float
-    residual: float
+    parameter: Annotated[str, Quantity("p", "1", "name of the parameter")]
+    coefficients: Annotated[
+        Float[np.ndarray, "3 coefficient"],
+        Quantity(
+            "ds/dp",
+            "r0 per parameter",
+            "derivative of the shape",
+            ("axis", "coefficient"),
+            bulky=True,
+        ),
+    ]
+    cell_velocity: Annotated[
+        float, Quantity("dU_c/dp", "U per parameter", "derivative of the cell velocity")
+    ]
+    effective_viscosity: Annotated[
+        float,
+        Quantity(
+            r"d\mu_\mathrm{eff}/dp", "mu per parameter", "derivative of the effective viscosity"
+        ),
+    ]
+    residual: Annotated[
+        float,
+        Quantity("", "1", "relative rate of change left by the derivative of the shape"),
+    ]
 
 
 def base_sensitivities(

@@ -29,8 +29,9 @@ from celltrain.membrane import (
 from celltrain.meridian.geometry import largest_radius
 from celltrain.meridian.rules import Rules
 from celltrain.meridian.train import SMALLEST_PHASE, TrainFlow
+from celltrain.parameters.strength import weakened
 from celltrain.proximity.meridian import streamwise_gap
-from celltrain.steady.parameters import MODULI, parameter_value
+from celltrain.steady.parameters import MATERIAL, parameter_value
 from celltrain.steady.problem import SteadyProblem
 
 Differenced = TypeVar("Differenced", float, np.ndarray)
@@ -93,12 +94,10 @@ class VariedTrain:
                 membrane.rest_profile + change * self._rest_slope,
                 energy_order=train.sizes.energy_order,
             )
-        if self._parameter in MODULI:
+        if self._parameter in MATERIAL:
             moduli = {self._parameter: self.value + change}
         elif self._parameter == "capillary_number":
-            # All moduli are in inverse proportion to the strength of the flow.
-            weaker = self.value / (self.value + change)
-            moduli = {name: weaker * train.leaf(name) for name in MODULI}
+            moduli = weakened(train.leaves(), self.value / (self.value + change))
         else:
             return membrane
         return replace(

@@ -1,6 +1,6 @@
 """Studies: many cases over ranges of their parameters, restartable, on all cores or a cluster."""
 
-from celltrain.study.collect import save_dataset, study_dataset, table
+from celltrain.study.collect import collect
 from celltrain.study.computation import Computation, Outcome, StabilityOfCase
 from celltrain.study.definition import (
     Axis,
@@ -11,32 +11,30 @@ from celltrain.study.definition import (
     make_study,
     read_study,
 )
-from celltrain.study.engine import Progress, WorkersLost, run_study
-from celltrain.study.quantities import STUDY_QUANTITIES
-from celltrain.study.store import Record, Store
+from celltrain.study.engine import StudyProgress, WorkersLost, run_study
+from celltrain.study.result import StudyResult
+from celltrain.study.store import CaseRecord, Store
 from celltrain.study.workers import Workers, local_workers, scheduled_workers
 
 __all__ = [
-    "STUDY_QUANTITIES",
     "Axis",
     "Case",
+    "CaseRecord",
     "Computation",
     "Computed",
     "Outcome",
-    "Progress",
-    "Record",
     "StabilityOfCase",
     "Store",
     "Study",
+    "StudyProgress",
+    "StudyResult",
     "Workers",
     "WorkersLost",
+    "collect",
     "describe",
     "local_workers",
     "make_study",
     "read_study",
     "run_study",
-    "save_dataset",
     "scheduled_workers",
-    "study_dataset",
-    "table",
 ]

@@ -1,12 +1,14 @@
 """What is done with each case of a study: its steady train, and the stability of that."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from celltrain.diagnostics import mode_motion
+from celltrain.contract import Silent
 from celltrain.parameters import CaseError, Train
 from celltrain.stability import Stability, stability
 from celltrain.steady import Base, NotConverged
+from celltrain.study.columns import COLUMNS, further, further_analysis
 from celltrain.study.definition import Computed
 
 
@@ -14,7 +16,7 @@ from celltrain.study.definition import Computed
 class Outcome:
     """What comes of a case: the steady train, to go on from, and numbers.
 
-    `values` are by their names among `STUDY_QUANTITIES`.
+    `values` are by the names of their columns (see `columns`).
     """
 
     base: Base
@@ -52,7 +54,7 @@ class StabilityOfCase:
         **Raises:** `NotConverged` or `CaseError` if no steady train was found.
         """
         result = self._stability(train, start)
-        return Outcome(result.base, values_of(result))
+        return Outcome(result.base, values_of(result, self.computed.analyses))
 
     def _stability(self, train: Train, start: Base | None) -> Stability:
         """From where the study says, or else from the other place."""
@@ -66,35 +68,10 @@ class StabilityOfCase:
             return stability(train, start=second, estimate_error=estimate)
 
 
-def values_of(result: Stability) -> dict[str, float]:
-    """The numbers of a result that maps are made of, by their names among `STUDY_QUANTITIES`."""
-    base, leading, transient = result.base, result.leading, result.transient
-    turning = mode_motion(result, leading)
-    # What a march of the axisymmetric train alone would reach has none that grow.
-    axisymmetric = (
-        mode.growth_rate
-        for mode in result.modes
-        if mode.azimuthal_number == 0 and mode.wave_number == 0 and not mode.neutral
-    )
-    return {
-        "cell_velocity": base.cell_velocity,
-        "gap": base.gap,
-        "largest_radius": base.largest_radius,
-        "effective_viscosity": base.effective_viscosity,
-        "residual": base.residual,
-        "truncation_error": base.truncation_error,
-        "velocity_error": base.velocity_error,
-        "spectral_abscissa": result.spectral_abscissa,
-        "error_estimate": result.error_estimate,
-        "taken_degree": float(base.train.degree),
-        "leading_azimuthal_number": float(leading.azimuthal_number),
-        "leading_wave_number": float(leading.wave_number),
-        "leading_frequency": leading.frequency,
-        "tumbling": turning.tumbling,
-        "tank_treading": turning.tank_treading,
-        "axisymmetric_growth_rate": max(axisymmetric),
-        "numerical_abscissa": result.numerical_abscissa,
-        "transient_azimuthal_number": float(transient.azimuthal_number),
-        "transient_wave_number": float(transient.wave_number),
-        "case_seconds": result.seconds["total"],
-    }
+def values_of(result: Stability, analyses: Sequence[str] = ()) -> dict[str, float]:
+    """The numbers of a case by the names of their columns, those of further analyses included."""
+    values = {name: float(column.of(result)) for name, column in COLUMNS.items()}
+    for name in analyses:
+        found = further_analysis(name).of(result, Silent())
+        values |= {each: float(column.of(found)) for each, column in further([name]).items()}
+    return values

@@ -11,20 +11,22 @@ A study file is TOML; a study over a grid of 7 x 11 cases is
 
     [compute]                    # may be left out
     estimate_error = false
+    analyses = ["mechanisms"]   # numbers of further analyses become columns
 """
 
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from celltrain.parameters import CaseError, Train, merge_case, read_case
 from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten
 from celltrain.parameters.section import Real, Section, Whole
+from celltrain.study.columns import further
 
 #: What a study file may hold.
 PARTS = ("title", "units", "case", "axes", "compute")
@@ -53,11 +55,20 @@ class Range(Section):
         return tuple(float(f"{value:.12g}") for value in steps)
 
 
+def _as_tuple(given: object) -> object:
+    return tuple(given) if isinstance(given, list) else given
+
+
 class Computed(Section):
     """What is computed of each case, and from where its steady train is sought."""
 
     estimate_error: bool = Field(
         default=True, description="whether each growth rate comes with an estimate of its error"
+    )
+    analyses: Annotated[tuple[str, ...], BeforeValidator(_as_tuple)] = Field(
+        default=(),
+        description="further analyses of each case, such as mechanisms or transient, whose numbers"
+        " become columns",
     )
     start: Literal["rest", "neighbour"] = Field(
         default="rest",
@@ -157,10 +168,12 @@ def make_study(content: Mapping[str, Any]) -> Study:
     count = int(np.prod([len(axis.values) for axis in axes], dtype=float))
     if count > MOST_CASES:
         raise CaseError(f"a study of {count} cases is not allowed; allowed: at most {MOST_CASES}")
+    computed = Computed(**parts["compute"])
+    further(computed.analyses)  # refused before anything is computed
     return Study(
         title=str(content.get("title", "study")),
         axes=axes,
-        computed=Computed(**parts["compute"]),
+        computed=computed,
         cases=tuple(_cases(case, axes)),
     )
 

@@ -1,0 +1,119 @@
+"""The boundary of stability in the plane of diameter and packing."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import numpy as np
+from rich.console import Console
+
+from celltrain.continuation import BoundaryPoint, StabilityBoundary, stability_boundary
+from celltrain.contract import Analysis, Draw, Progress, Setting
+from celltrain.contract.tables import case_line, titled
+from celltrain.parameters import CaseError, Train
+from celltrain.stability import check_linearisable
+from celltrain.stability.infinite import check_phases
+from celltrain.steady import Base, steady
+
+#: Exit status of a curve by the way it ended, 0 for all others.
+STATUS = {"lost": 3, "interrupted": 130}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Boundary(Analysis[StabilityBoundary]):
+    """Follow the boundary of stability of a mode in the plane of diameter and packing.
+
+    The mode is the fastest of its azimuthal number and phase in the case that is given, which
+    should be near the boundary. Exit status 3: it could not be followed further.
+    """
+
+    result = StabilityBoundary
+
+    azimuthal_number: Annotated[int, Setting("Azimuthal number m of the mode.")] = 1
+    phase: Annotated[
+        float,
+        Setting(
+            "Phase q of the mode from cell to cell (radians).", "0, and numbers from 0.001 to pi"
+        ),
+    ] = np.pi
+    towards: Annotated[
+        Literal["diameter", "packing"], Setting("Which of both rises or falls from the start.")
+    ] = "diameter"
+    falling: Annotated[bool, Setting("Go to where it falls.")] = False
+    most_points: Annotated[int, Setting("End after this many points.", "whole numbers >= 1")] = 20
+
+    def check(self, train: Train) -> None:
+        """Look at case and settings before anything is computed.
+
+        Raises:
+            CaseError: for what is not allowed.
+        """
+        check_linearisable(train, [self.azimuthal_number])
+        check_phases(np.array([self.phase]))
+        if self.most_points < 1:
+            raise CaseError(
+                f"most_points = {self.most_points} is not allowed; allowed: whole numbers >= 1"
+            )
+
+    def compute(self, train: Train, start: Base | None, progress: Progress) -> StabilityBoundary:
+        """Compute the train that is given, and follow the boundary from there.
+
+        Raises:
+            NotConverged: if there is no steady train.
+            CaseError: if there is no boundary near it.
+        """
+
+        def show(point: BoundaryPoint) -> None:
+            progress.log(f"diameter {point.diameter:.6g}  packing {point.packing:.6g}")
+
+        found = stability_boundary(
+            steady(train, start=start, progress=progress.iteration),
+            azimuthal_number=self.azimuthal_number,
+            phase=self.phase,
+            towards=self.towards,
+            rising=not self.falling,
+            most_points=self.most_points,
+            progress=show,
+        )
+        if not found.points:
+            raise CaseError(
+                f"diameter = {train.tube.diameter:g}, packing = {train.packing:g} is not allowed:"
+                f" no boundary was found from there ({found.ending.message}); allowed: a case next"
+                " to it"
+            )
+        return found
+
+    @classmethod
+    def report(cls, result: StabilityBoundary, console: Console) -> None:
+        """Print the points as a table."""
+        console.print(case_line(result.points[0].base))
+        mode = result.points[0].mode
+        table = titled(
+            f"Boundary of stability, m = {mode.azimuthal_number}, q = {mode.phase:.5g}",
+            *("diameter, r0", "packing", "alpha, U/r0", "frequency, U/r0", "U_c"),
+            left=0,
+        )
+        for point in result.points:
+            table.add_row(
+                f"{point.diameter:.5f}",
+                f"{point.packing:.5f}",
+                f"{point.mode.growth_rate:.1e}",
+                f"{point.mode.frequency:.5f}",
+                f"{point.base.cell_velocity:.5f}",
+            )
+        console.print(table)
+        console.print(result.ending.message)
+
+    @classmethod
+    def pictures(cls, result: StabilityBoundary) -> Mapping[str, Draw]:
+        """The curve, with arrows into its unstable side."""
+        from celltrain.pictures import draw_stability_boundary
+
+        mode = result.points[0].mode
+        name = f"$m$ = {mode.azimuthal_number}, $q$ = {mode.phase:.4g}"
+        return {"boundary": lambda path: draw_stability_boundary({name: result}, path)}
+
+    @classmethod
+    def status(cls, result: StabilityBoundary) -> int:
+        """3 for a curve that was lost, 130 for one that was interrupted."""
+        return STATUS.get(result.ending.kind, 0)

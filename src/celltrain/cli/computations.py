@@ -1,0 +1,104 @@
+"""The commands of all analyses, made from them: `celltrain NAME` for each in the catalogue."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import MISSING, fields, make_dataclass
+from dataclasses import field as dataclass_field
+from typing import Annotated, Any, Literal, cast, get_args, get_origin, get_type_hints
+
+from cyclopts import Group, Parameter
+
+from celltrain.cli.arguments import CaseFile, Json, Output, Plot, Quiet, Start
+from celltrain.cli.compute import Request, run
+from celltrain.cli.options import CaseOptions, given_leaves, reader
+from celltrain.contract import Analysis, Setting, analysis_named
+
+Command = Callable[..., int]
+
+
+def __getattr__(name: str) -> Command:
+    if name.startswith("_"):
+        raise AttributeError(name)
+    try:
+        return command(analysis_named(name))
+    except KeyError as error:
+        raise AttributeError(str(error)) from None
+
+
+def command(analysis: type[Analysis[Any]]) -> Command:
+    """The command of an analysis: its settings, and the options of every case, are its options."""
+    options = settings_class(analysis)
+
+    def compute(
+        case: CaseFile = None,
+        /,
+        *,
+        settings: Any,
+        options: CaseOptions = None,
+        start: Start = None,
+        output: Output = None,
+        plot: Plot = None,
+        json: Json = False,
+        quiet: Quiet = False,
+    ) -> int:
+        given = {} if settings is None else vars(settings)
+        request = Request(case, start, output, plot, json, quiet)
+        return run(request, given_leaves(options), analysis(**given))
+
+    needed = any(each.default is MISSING for each in fields(options))
+    kind = options if needed else options | None
+    compute.__annotations__["settings"] = Annotated[kind, Parameter(name="*")]  # type: ignore[valid-type]
+    compute.__kwdefaults__ = (compute.__kwdefaults__ or {}) | ({} if needed else {"settings": None})
+    compute.__doc__ = analysis.__doc__
+    compute.__name__ = analysis.result.kind
+    return compute
+
+
+def settings_class(analysis: type[Analysis[Any]]) -> type[Any]:
+    """A dataclass of an analysis' settings for cyclopts to read options into."""
+    hints = get_type_hints(analysis, include_extras=True)
+    group = Group("Analysis", sort_key=1)
+    columns: list[tuple[str, Any, Any]] = []
+    for each in fields(cast(Any, analysis)):
+        kind, setting = get_args(hints[each.name])
+        default = {} if each.default is MISSING else {"default": each.default}
+        parameter = _parameter(kind, setting, group)
+        columns.append((each.name, Annotated[_shown(kind), parameter], dataclass_field(**default)))
+    made = make_dataclass(f"{analysis.__name__}Options", columns, frozen=True, kw_only=True)
+    made.__module__ = __name__  # cyclopts only looks into classes of modules like this one
+    return made
+
+
+def _parameter(kind: Any, setting: Setting, group: Group) -> Parameter:
+    inner = _inner(kind)
+    converter = None
+    if inner in (int, float):
+        converter = reader(inner, f"allowed: {setting.allowed or 'numbers'}")
+    return Parameter(
+        name=f"--{setting.option}" if setting.option else None,
+        help=setting.help,
+        group=group,
+        converter=converter,
+        negative=(),
+        consume_multiple=_is_sequence(kind),
+    )
+
+
+def _parts(kind: Any) -> tuple[Any, ...]:
+    """The kinds of an optional setting but None."""
+    if get_origin(kind) in (None, Literal) or get_origin(kind) is Sequence:
+        return (kind,)
+    return tuple(each for each in get_args(kind) if each is not type(None)) or (kind,)
+
+
+def _is_sequence(kind: Any) -> bool:
+    return any(isinstance(get_origin(each), type) for each in _parts(kind))
+
+
+def _inner(kind: Any) -> Any:
+    part = _parts(kind)[0]
+    return get_args(part)[0] if _is_sequence(kind) else part
+
+
+def _shown(kind: Any) -> Any:
+    """The type for cyclopts, which knows lists."""
+    return list[_inner(kind)] | None if _is_sequence(kind) else kind  # type: ignore[misc]

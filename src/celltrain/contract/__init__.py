@@ -1,0 +1,61 @@
+"""The contract of everything that is computed: checked, computed, kept, shown, drawn, loaded.
+
+An analysis is one object (`Analysis`), its settings are its fields, and its result is a dataclass
+whose fields say what they are. Commands, files, JSON, reports, pictures, studies and documentation
+are made from it: a new one is one file in `celltrain.analyses`.
+
+Its parts are imported when they are asked for: the command line only needs the names at first.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from celltrain.contract.analysis import (
+        Analysis,
+        Draw,
+        OfStability,
+        Presentation,
+        Setting,
+    )
+    from celltrain.contract.catalogue import (
+        analysis_named,
+        commands,
+        first_lines,
+        kinds,
+        presentation,
+    )
+    from celltrain.contract.files import draw_all, load, show
+    from celltrain.contract.progress import Progress, Silent
+
+__all__ = [
+    "Analysis",
+    "Draw",
+    "OfStability",
+    "Presentation",
+    "Progress",
+    "Setting",
+    "Silent",
+    "analysis_named",
+    "commands",
+    "draw_all",
+    "first_lines",
+    "kinds",
+    "load",
+    "presentation",
+    "show",
+]
+
+_LATER = {
+    "analysis": ("Analysis", "Draw", "OfStability", "Presentation", "Setting"),
+    "catalogue": ("analysis_named", "commands", "first_lines", "kinds", "presentation"),
+    "files": ("draw_all", "load", "show"),
+    "progress": ("Progress", "Silent"),
+}
+_OWNERS = {name: owner for owner, names in _LATER.items() for name in names}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _OWNERS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_OWNERS[name]}"), name)

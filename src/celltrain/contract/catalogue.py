@@ -1,0 +1,104 @@
+"""Which analyses there are: one for each file of `celltrain.analyses`, named as the file.
+
+Names and first lines of help are known without importing any of them.
+"""
+
+import ast
+import inspect
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from celltrain import analyses
+
+if TYPE_CHECKING:
+    from celltrain.contract.analysis import Analysis, Presentation
+
+
+@cache
+def _files() -> dict[str, Path]:
+    """The file of each kind of result; the package's own come first."""
+    found: dict[str, Path] = {}
+    for folder in analyses.__path__:
+        for path in sorted(Path(folder).glob("*.py")):
+            if path.stem != "__init__":
+                found.setdefault(path.stem.removeprefix("_"), path)
+    return dict(sorted(found.items()))
+
+
+def kinds() -> tuple[str, ...]:
+    """The kinds of all results, in alphabetical order.
+
+    Those whose file begins with an underscore are computed by commands of their own.
+    """
+    return tuple(_files())
+
+
+def commands() -> tuple[str, ...]:
+    """The names of all analyses, in alphabetical order."""
+    return tuple(name for name, path in _files().items() if not path.stem.startswith("_"))
+
+
+def first_lines() -> dict[str, str]:
+    """The first line of each analysis' docstring, by name."""
+    return {name: _first_line(_files()[name]) for name in commands()}
+
+
+def analysis_named(name: str) -> "type[Analysis[Any]]":
+    """The analysis of a name.
+
+    Raises:
+        KeyError: if there is none.
+    """
+    from celltrain.contract.analysis import Analysis
+
+    if name not in commands():
+        raise KeyError(f"there is no analysis {name!r}; there are: {', '.join(commands())}")
+    found = presentation(name)
+    assert issubclass(found, Analysis)
+    return found
+
+
+@cache
+def presentation(kind: str) -> "type[Presentation[Any]]":
+    """How results of a kind are shown: an analysis, or what has a command of its own.
+
+    Raises:
+        KeyError: if there is no such kind.
+        TypeError: if its file does not define one analysis whose results are of this kind.
+    """
+    if kind not in kinds():
+        raise KeyError(f"there is no kind of result {kind!r}; there are: {', '.join(kinds())}")
+    from celltrain.contract.analysis import Presentation  # and with it all that computes
+
+    module = import_module(f"{analyses.__name__}.{_files()[kind].stem}")
+    found = [
+        each
+        for each in vars(module).values()
+        if isinstance(each, type)
+        and issubclass(each, Presentation)
+        and each.__module__ == module.__name__
+        and not inspect.isabstract(each)
+    ]
+    if len(found) != 1 or found[0].result.kind != kind:
+        raise TypeError(
+            f"{_files()[kind]} defines {len(found)} analyses; wanted is one, with results of the"
+            f" kind {kind!r}"
+        )
+    return found[0]
+
+
+def _first_line(path: Path) -> str:
+    """Of the class in a file that is an analysis: the one that has a `result`."""
+    try:
+        parts = ast.parse(path.read_text(encoding="utf-8")).body
+    except (OSError, SyntaxError) as error:
+        return f"Cannot be used: {error}."
+    for node in parts:
+        if isinstance(node, ast.ClassDef) and any(
+            isinstance(each, ast.Assign) and getattr(each.targets[0], "id", "") == "result"
+            for each in node.body
+        ):
+            return (ast.get_docstring(node) or "No description.").splitlines()[0]
+    return f"Cannot be used: {path} defines no analysis."

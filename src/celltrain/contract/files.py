@@ -1,0 +1,67 @@
+"""Whatever was computed: read from its file, printed again, drawn."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from rich.console import Console
+
+from celltrain.contract.analysis import Draw
+from celltrain.contract.catalogue import kinds, presentation
+from celltrain.quantities import Record
+
+
+def load(path: str | Path) -> Record:
+    """Read any result that was saved: it equals what was computed.
+
+    Raises:
+        OSError: if the file cannot be read, or is of another version that this one cannot read.
+        ForeignFile: a `ValueError`, if it is not a file of this package.
+    """
+    # What files need takes half a second to load.
+    from celltrain.results.netcdf import ForeignFile, read, read_dataset
+
+    kind = str(read_dataset(path).attrs["kind"])
+    if kind not in kinds():
+        raise ForeignFile(
+            f"{str(path)!r} holds a result of the kind {kind!r}; known are: {', '.join(kinds())}"
+        )
+    return read(path, presentation(kind).result)
+
+
+def show(result: Record, console: Console | None = None) -> None:
+    """Print the report of a result."""
+    presentation(result.kind).report(result, console or Console())
+
+
+def pictures(result: Record) -> Mapping[str, Draw]:
+    """How the pictures of a result are drawn, by their names."""
+    return presentation(result.kind).pictures(result)
+
+
+def draw_all(result: Record, folder: str | Path) -> list[Path]:
+    """Draw every picture of a result into a folder, made if need be; returns the files.
+
+    Raises:
+        OSError: if the folder or a picture cannot be written.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    return [draw(folder / f"{name}.png") for name, draw in pictures(result).items()]
+
+
+def draw_each(result: Record, folder: Path) -> Iterator[tuple[Path, Exception | None]]:
+    """Draw every picture, also where others fail: each path, and what went wrong with it."""
+    try:
+        found = pictures(result)
+        folder.mkdir(parents=True, exist_ok=True)
+    except Exception as error:  # whatever a picture's library finds on this machine
+        yield folder, error
+        return
+    for name, draw in found.items():
+        path = folder / f"{name}.png"
+        try:
+            draw(path)
+        except Exception as error:  # as above: a result must not be lost for a picture
+            yield path, error
+        else:
+            yield path, None

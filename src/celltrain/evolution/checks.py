@@ -1,0 +1,14 @@
+"""Checks of a simulation's settings."""
+
+import math
+
+from celltrain.parameters import CaseError
+
+
+def check_positive(name: str, value: float) -> None:
+    """Check that a setting is a positive number.
+
+    **Raises:** `CaseError` if it is not.
+    """
+    if not (math.isfinite(value) and value > 0.0):
+        raise CaseError(f"{name} = {value!r} is not allowed; allowed: a number > 0")

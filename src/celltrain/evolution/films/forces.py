@@ -1,0 +1,105 @@
+"""Thin films in a train, and the repulsion's energy and forces in them.
+
+    E = 1/2 sum over cells a, b of int phi(d_b(x)) dA_a + sum over cells a of int phi(R - r) dA_a,
+
+with d_b(x) the distance of a point x of the membrane a from the membrane b (images along the tube
+and a cell's own included), and dA_a the area that the membrane has at rest: the layer is bound to
+it. A film between two cells is integrated from both sides, hence the half.
+
+The integrals are sums over the points of a grid. With w their areas, p = -phi', y the point of b
+that is nearest to x, and n the direction from y to x, the force of x is w p n/2 and that of y the
+opposite. It is the exact gradient of the sum, since moving y along b does not change the distance
+to first order. So the forces between cells add up to no force and, acting along one line, to no
+torque; without flow the energy of membranes and films together can only fall.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from celltrain.evolution.films.repulsion import Repulsion
+from celltrain.harmonics import Shapes
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.membrane import resting_shape
+from celltrain.parameters import Train
+from celltrain.proximity.film_points import FINE, FilmGrid, film_grid
+
+
+@dataclass(frozen=True)
+class Films:
+    """What the repulsion does to given shapes.
+
+    Attributes:
+        gap: thickness of the thinnest film within the range, r0; infinite if there is none, not
+            positive where membranes cross.
+        energy: of all films, mu U r0^2.
+        force: largest sum of the forces of films on a cell, without regard to their directions,
+            mu U r0.
+        forces: coefficients of the force per solid angle on the fluid, mu U r0; not numbers where
+            membranes cross.
+    """
+
+    gap: float
+    energy: float
+    force: float
+    forces: Shapes
+
+
+@dataclass(frozen=True, eq=False)
+class FilmForces:
+    """The repulsion in a train's films; `areas` are the membrane's at rest, at the grid's points.
+
+    `length` is the period of the whole train, `radius` that of the tube, in r0.
+    """
+
+    repulsion: Repulsion
+    length: float
+    radius: float
+    grid: FilmGrid
+    areas: Float[np.ndarray, " point"]
+
+    def __call__(self, shapes: Shapes) -> Films:
+        """The films of all cells, whose mean points lie within the train's length."""
+        none = Films(np.inf, 0.0, 0.0, np.zeros_like(shapes))
+        within = self.repulsion.range
+        if within == 0.0:
+            return none
+        found = self.grid.find(shapes, within=within, period=self.length)
+        walls = self.grid.at_wall(shapes, within=within, radius=self.radius)
+        if not len(found.distance) and not len(walls.distance):
+            return none
+        gap = float(min(found.distance.min(initial=np.inf), walls.distance.min(initial=np.inf)))
+        if gap <= 0.0:
+            return Films(gap, np.inf, np.inf, np.full_like(shapes, np.nan))
+        weight, wall_weight = 0.5 * self.areas[found.node], self.areas[walls.node]
+        size = weight * self.repulsion.pressure(found.distance)
+        wall_size = wall_weight * self.repulsion.pressure(walls.distance)
+        push, wall_push = size[:, None] * found.direction, wall_size[:, None] * walls.direction
+        energy = np.sum(weight * self.repulsion.energy_density(found.distance))
+        energy += np.sum(wall_weight * self.repulsion.energy_density(walls.distance))
+        forces, totals = np.zeros_like(shapes), np.zeros(len(shapes))
+        for cell in range(len(shapes)):
+            mine, theirs, wall = found.cell == cell, found.other == cell, walls.cell == cell
+            forces[cell] = (
+                push[mine].T @ self.grid.fine[found.node[mine]]
+                - push[theirs].T @ found.nearest[theirs]
+                + wall_push[wall].T @ self.grid.fine[walls.node[wall]]
+            )
+            totals[cell] = size[mine].sum() + size[theirs].sum() + wall_size[wall].sum()
+        return Films(gap, float(energy), float(totals.max()), forces)
+
+
+def film_forces(train: Train, repulsion: Repulsion) -> FilmForces:
+    """The repulsion in the films of a train's N cells."""
+    degree = train.degree
+    grid = film_grid(degree)
+    down, around = grid.slopes @ resting_shape(train.cell, degree).T
+    element = np.linalg.norm(np.cross(down, around), axis=-1) / np.sin(grid.angles[:, 0])
+    return FilmForces(
+        repulsion=repulsion,
+        length=train.length,
+        radius=train.radius,
+        grid=grid,
+        areas=np.asarray(sphere_grid(1, FINE * degree).weights) * element,
+    )

@@ -1,0 +1,195 @@
+"""Marching a train by the Runge-Kutta-Chebyshev method, with steps and stages chosen as it goes."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+from jaxtyping import Float
+
+from celltrain.evolution.checks import check_positive
+from celltrain.evolution.dynamics import Dynamics
+from celltrain.evolution.ending import StepFailed
+from celltrain.evolution.methods.chebyshev import (
+    chebyshev_step,
+    embedded_error,
+    largest_stable_step,
+    stage_count,
+)
+from celltrain.evolution.methods.integrator import Integrator, Manner, Step, Work
+from celltrain.evolution.methods.radius import spectral_radius
+from celltrain.evolution.state import State
+from celltrain.parameters import CaseError
+from celltrain.quantities import Quantity
+
+# Steps after which the spectral radius is estimated anew, and the margin put on the estimate,
+# which comes from below.
+RADIUS_STEPS = 25
+RADIUS_MARGIN = 1.2
+# Distance from the steady train (r0) below and above which errors are measured by these.
+SMALLEST_SCALE = 1e-6
+LARGEST_SCALE = 1.0
+# Largest error of a step over the thinnest film within the range of the repulsion.
+GAP_SHARE = 0.1
+# The next step: this part of what the error allows, between these factors of the last one.
+SAFETY = 0.8
+LEAST_FACTOR = 0.1
+LARGEST_FACTOR = 10.0
+# Relative errors below this are taken as this: they say nothing about how errors grow.
+SMALLEST_ERROR = 1e-4
+SMALLEST_STEP = 1e-6
+# A step after which cells overlap is tried again with this part of it, down to a smallest one.
+OVERLAP_FACTOR = 0.25
+SMALLEST_RETRY = 1e-4
+
+
+@dataclass(frozen=True)
+class ChebyshevMemory:
+    """What the next step is chosen from.
+
+    `last_step` and `last_error` are 0 if there was no step yet, `step` and `radius` if they are not
+    known yet.
+    """
+
+    step: Annotated[float, Quantity("", "r0/U", "size of the next step")]
+    last_step: Annotated[float, Quantity("", "r0/U", "size of the last step")]
+    last_error: Annotated[
+        float, Quantity("", "1", "estimated error of the last step over what was allowed")
+    ]
+    radius: Annotated[float, Quantity("", "U/r0", "spectral radius, with its margin")]
+    radius_age: Annotated[int, Quantity("", "1", "steps since it was estimated")]
+    direction: Annotated[
+        Float[np.ndarray, "cell 3 coefficient"],
+        Quantity("", "1", "last direction of the power iteration", ("cell", "axis", "coefficient")),
+    ]
+
+
+@dataclass(frozen=True)
+class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
+    """Second order, explicit, stable for stiff membranes (Sommeijer, Shampine & Verwer 1998).
+
+    `tolerance` bounds the estimated error of a step, the largest displacement of a point of a
+    membrane, relative to the largest distance of the membranes from the steady train, that taken as
+    1 r0 at most. So small disturbances are as accurate as large ones. Where the repulsion acts the
+    error is no more than a tenth of the thinnest film.
+    """
+
+    tolerance: Annotated[float, Quantity("", "1", "bound on the error of a step, relative")] = 1e-3
+    largest_step: Annotated[float, Quantity("", "r0/U", "bound on a step")] = 10.0
+    most_stages: Annotated[
+        int, Quantity("", "1", "bound on a step's evaluations, for which it is shortened")
+    ] = 200
+
+    def __post_init__(self) -> None:
+        check_positive("tolerance", self.tolerance)
+        check_positive("largest_step", self.largest_step)
+        if self.most_stages < 2:
+            raise CaseError(f"most_stages = {self.most_stages} is not allowed; allowed: >= 2")
+
+    def begin(self, state: State) -> ChebyshevMemory:
+        """Nothing is known yet."""
+        return ChebyshevMemory(
+            step=0.0,
+            last_step=0.0,
+            last_error=0.0,
+            radius=0.0,
+            radius_age=0,
+            # Any direction that holds all modes will do; a fixed one makes runs repeatable.
+            direction=np.random.default_rng(0).normal(size=state.shapes.shape),
+        )
+
+    def advance(
+        self, dynamics: Dynamics, state: State, memory: ChebyshevMemory
+    ) -> Step[ChebyshevMemory]:
+        """One accepted step, after as many rejected ones as it takes."""
+        begin = dynamics.continuous(state.shapes, state.laps)
+        distance = dynamics.departure(begin)
+        allowed = self.tolerance * min(max(distance, SMALLEST_SCALE), LARGEST_SCALE)
+        allowed = min(allowed, GAP_SHARE * state.measures.gap)
+        work = Work()
+        while True:
+            memory, evaluations = self._with_radius(dynamics, state, memory)
+            longest = largest_stable_step(self.most_stages, memory.radius)
+            step = min(memory.step, self.largest_step, longest)
+            stages = stage_count(step, memory.radius)
+            moved = chebyshev_step(dynamics.rates, state.shapes, state.rates, step, stages)
+            after = dynamics.state(state.time + step, dynamics.continuous(moved, state.laps))
+            end = dynamics.continuous(after.shapes, after.laps)
+            error = dynamics.displacement(
+                embedded_error(begin, state.rates, end, after.rates, step)
+            )
+            relative = error / allowed
+            work += Work(evaluations=evaluations + stages)
+            if relative <= 1.0:
+                break
+            memory = self._after_rejection(memory, step, relative)
+            work += Work(rejected=1)
+        following = replace(
+            memory,
+            step=min(step * _factor(memory, step, relative), self.largest_step),
+            last_step=step,
+            last_error=max(relative, SMALLEST_ERROR),
+            radius_age=memory.radius_age + 1,
+        )
+        return Step(after, following, Manner(step, stages, error, memory.radius), work)
+
+    @property
+    def retries(self) -> bool:
+        """See `Integrator`."""
+        return True
+
+    def shortened(
+        self, memory: ChebyshevMemory, step: Step[ChebyshevMemory]
+    ) -> ChebyshevMemory | None:
+        """See `Integrator`."""
+        size = OVERLAP_FACTOR * step.manner.size
+        return None if size < SMALLEST_RETRY else replace(memory, step=size)
+
+    def _with_radius(
+        self, dynamics: Dynamics, state: State, memory: ChebyshevMemory
+    ) -> tuple[ChebyshevMemory, int]:
+        """The memory with a spectral radius that is recent, and a first step if it has none.
+
+        Also the evaluations that it took.
+        """
+        if memory.radius > 0.0 and memory.radius_age < RADIUS_STEPS:
+            return memory, 0
+        found = spectral_radius(dynamics.rates, state.shapes, state.rates, memory.direction)
+        if not (math.isfinite(found.radius) and found.radius > 0.0):
+            raise StepFailed("not_finite", "the spectral radius of the rates is NaN")
+        radius = RADIUS_MARGIN * found.radius
+        known = replace(
+            memory,
+            step=memory.step or 1.0 / radius,
+            radius=radius,
+            radius_age=0,
+            direction=found.direction,
+        )
+        return known, found.evaluations
+
+    def _after_rejection(
+        self, memory: ChebyshevMemory, step: float, relative: float
+    ) -> ChebyshevMemory:
+        """The memory to try again with, after a step whose error was too large or NaN."""
+        finite = math.isfinite(relative)
+        factor = max(SAFETY * relative ** (-1.0 / 3.0), LEAST_FACTOR) if finite else LEAST_FACTOR
+        if step * factor < SMALLEST_STEP:
+            if not finite:
+                raise StepFailed("not_finite", "shapes or velocities have become NaN")
+            raise StepFailed(
+                "step_too_small",
+                f"an error of {self.tolerance:g} needs steps below {SMALLEST_STEP:g} r0/U",
+            )
+        # A radius that is not of this very state may have been too small.
+        age = RADIUS_STEPS if memory.radius_age > 0 else 0
+        return replace(memory, step=step * factor, radius_age=age)
+
+
+def _factor(memory: ChebyshevMemory, step: float, relative: float) -> float:
+    """The next step over this one, from the errors of this one and the one before."""
+    error = max(relative, SMALLEST_ERROR)
+    factor = SAFETY * error ** (-1.0 / 3.0)
+    if memory.last_step > 0.0:
+        predicted = SAFETY * step / memory.last_step * memory.last_error ** (1.0 / 3.0)
+        factor = min(factor, predicted * error ** (-2.0 / 3.0))
+    return min(max(factor, LEAST_FACTOR), LARGEST_FACTOR)

@@ -1,0 +1,1 @@
+"""What is kept of a simulation: steps, frames, its file, and what is computed from them again."""

@@ -1,0 +1,50 @@
+"""The frames of a simulation: when they are due, and what each holds."""
+
+import numpy as np
+
+from celltrain.diagnostics import frame
+from celltrain.evolution.dynamics import Dynamics
+from celltrain.evolution.linear import LinearPrediction
+from celltrain.evolution.record.history import Row
+from celltrain.evolution.record.interpolation import interpolated
+from celltrain.evolution.state import State
+from celltrain.parameters import Train
+
+#: Times closer than this part of the time between frames are the same.
+SAME_TIME = 1e-9
+
+
+def due_times(last: float, end: float, *, every: float, until: float) -> list[float]:
+    """Times of the frames after the last one up to a time: multiples of `every`, and `until`."""
+    same = SAME_TIME * every
+    number = int(np.floor(last / every + SAME_TIME)) + 1
+    times = []
+    while number * every <= min(end, until) + same:
+        times.append(number * every)
+        number += 1
+    if end >= until - same and (times[-1] if times else last) < until - same:
+        times.append(until)
+    return times
+
+
+def shapes_within(dynamics: Dynamics, before: State, after: State, time: float) -> np.ndarray:
+    """Continuous shapes at a time within a step, r0."""
+    ends = (
+        (each.time, dynamics.continuous(each.shapes, each.laps), each.rates)
+        for each in (before, after)
+    )
+    return interpolated(time, *ends)
+
+
+def frame_row(train: Train, dynamics: Dynamics, prediction: LinearPrediction, state: State) -> Row:
+    """What is kept of a train at a time: shapes where the cells have really gone, and measures."""
+    whole = dynamics.continuous(state.shapes, state.laps)
+    return {
+        "time": state.time,
+        "shapes": whole,
+        "laps": state.laps,
+        "eps": state.measures.eps,
+        "eps_x": state.measures.eps_x,
+        "eps_linear": prediction.eps(state.time),
+        **frame(train, whole, dynamics.tube_rates(state.rates)),
+    }
