@@ -107,11 +107,14 @@ def module(path: Path) -> str:
 def test_no_modules_import_each_other() -> None:
     """Nor in a circle, wherever in a file they do it; a package counts for its own file."""
     known = {module(path): path for path in files()}
-    graph = {}
+    graph: dict[str, set[str]] = {}
     for name, path in known.items():
-        reached = imported(path)
+        graph[name] = set()
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ImportFrom) and node.module:
-                reached |= {f"{node.module}.{alias.name}" for alias in node.names}
-        graph[name] = (reached & known.keys()) - {name}
+            if isinstance(node, ast.Import):
+                graph[name] |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                inner = {f"{node.module}.{alias.name}" for alias in node.names}
+                graph[name] |= inner & known.keys() or {node.module}
+        graph[name] &= known.keys() - {name}
     TopologicalSorter(graph).prepare()

@@ -13,8 +13,8 @@ from page import DOTS_PER_INCH, FOLDER, Page, plain_figure
 from rich.console import Console
 
 from celltrain import Run, Stability, Train, evolve, stability
-from celltrain.evolution import Disturbance, Leading, Transient, linear_prediction
-from celltrain.evolution.report import SimulationReporter
+from celltrain.cli.simulation_progress import SimulationReporter
+from celltrain.evolution import Disturbance, FastestAtFirst, Leading, linear_prediction
 from celltrain.paper.initial import kept_volume
 from celltrain.stability import PaperNorm, normed_blocks, propagator_norm
 
@@ -142,7 +142,7 @@ def simulate(page: Page, starts: dict[str, Stability]) -> None:
     for panel, axes in zip(PANELS, figure.subplots(1, len(PANELS)), strict=True):
         start = starts[panel.figure]
         runs = {
-            "v_eta": simulated(start, Transient(panel.amplitude)),
+            "v_eta": simulated(start, FastestAtFirst(panel.amplitude)),
             "v_alpha": simulated(start, Leading(panel.amplitude)),
         }
         draw(axes, panel, start, runs)
@@ -211,7 +211,7 @@ def linear_measures(start: Stability) -> Linear:
         name: linear_prediction(start, kept_volume(start, disturbance.shapes(start))).sizes(TIMES)[
             0
         ]
-        for name, disturbance in (("v_eta", Transient(1e-3)), ("v_alpha", Leading(1e-3)))
+        for name, disturbance in (("v_eta", FastestAtFirst(1e-3)), ("v_alpha", Leading(1e-3)))
     }
     sizes = {name: each / each[0] for name, each in sizes.items()}
     size = sizes["v_eta"]

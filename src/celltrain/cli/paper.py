@@ -15,7 +15,7 @@ from rich.console import Console
 from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.compute import NOT_CONVERGED
 from celltrain.cli.outputs import check_folder
-from celltrain.cli.study_run import Count, Retry, Run, Scheduler, compute
+from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
 from celltrain.paper import FIGURES, PaperFigure, findings_table, paper_study
 from celltrain.paper.resolutions import CONVERGED, PAPER, Resolutions
 from celltrain.paper.trains import PAPER_DEGREE
@@ -90,7 +90,7 @@ def paper(
     degree = PAPER_DEGREE if resolution == PAPER else None
     usual = {CONVERGED: f"paper-{chosen.study}", PAPER: f"paper-{chosen.study}-degree-12"}
     folder = output or Path(f"{usual[CONVERGED]}-quick" if quick else usual[resolution])
-    run = Run(folder, workers, scheduler, retry, quiet)
+    run = StudyRun(folder, workers, scheduler, retry, quiet)
     errors = Console(stderr=True)
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr):
@@ -125,7 +125,7 @@ def _beside(resolution: str, folders: dict[str, str]) -> Resolutions:
 
 
 def _data(
-    figure: PaperFigure, run: Run, errors: Console, *, quick: bool, degree: int | None
+    figure: PaperFigure, run: StudyRun, errors: Console, *, quick: bool, degree: int | None
 ) -> tuple[xr.Dataset, list[Path], bool]:
     """The data of a figure, the files with it, and whether a case failed."""
     path = run.folder / "study.nc"
