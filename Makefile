@@ -9,7 +9,7 @@ STAMP  := $(VENV)/.installed
 LOCK_PYTHON ?= python3.11
 LOCK_VENV   := .venv-lock
 
-.PHONY: demo test check benchmark validation lock clean
+.PHONY: demo test check benchmark documentation validation lock clean
 
 demo: $(STAMP)
 	$(BIN)/python examples/demo.py
@@ -24,6 +24,10 @@ check: $(STAMP)
 
 benchmark: $(STAMP)
 	$(BIN)/python benchmarks/run.py
+
+# docs/diagnostics.md, from the analyses themselves.
+documentation: $(STAMP)
+	$(BIN)/python -m celltrain.contract.documentation > docs/diagnostics.md
 
 validation: $(STAMP)
 	$(BIN)/python validation/run.py

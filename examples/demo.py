@@ -41,9 +41,8 @@ from celltrain import (
     stability,
 )
 from celltrain.cli.progress import Reporter
+from celltrain.cli.simulation_progress import SimulationReporter
 from celltrain.evolution import Leading
-from celltrain.evolution.report import SimulationReporter, print_run
-from celltrain.pictures.run import plot_run
 from celltrain.stability.verdict import verdict
 
 # Of two cells, so that it takes a minute or two; the breakup of eight takes hours.
@@ -137,13 +136,13 @@ def main(folder: Path = Path("out/demo")) -> None:
     for result in (sparse, dense):
         show(result, output)
         output.print()
-    print_run(run, output)
+    show(run, output)
     output.print(comparison(sparse, dense, run))
     for result in (sparse, dense):
         place = folder / f"phi-{result.base.train.packing:g}"
         for path in keep(result, place, errors):
             output.print(str(path), highlight=False, soft_wrap=True)
-    for path in plot_run(run, simulation):
+    for path in draw_all(run, simulation):
         output.print(str(path), highlight=False, soft_wrap=True)
 
 

@@ -80,7 +80,7 @@ def test_the_accuracy_is_an_option_of_the_command(capsys) -> None:
         assert each["condition_number"] >= 1.0
     assert main(["stability", *CASE, "--accuracy", "0.1", "--quiet"]) == 0
     text = " ".join(capsys.readouterr().out.split())
-    assert f"degree {low['degree']}; alpha at each degree: " in text
+    assert f"degree {low['convergence']['degree']}; alpha at each degree: " in text
 
 
 @pytest.mark.parametrize("accuracy", ["0", "-1", "2", "nan"])

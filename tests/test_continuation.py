@@ -14,9 +14,9 @@ from celltrain.cli import main
 from celltrain.continuation import (
     Branch,
     BranchPoint,
+    CurveEnding,
     CurveLost,
     CurvePoint,
-    Ending,
     Evaluation,
     NoSolution,
     Steps,
@@ -156,7 +156,7 @@ def made_up(single: Base) -> Branch:
         BranchPoint(replace(single, cell_velocity=1.5 + 0.1 * i), value, slope, None)
         for i, (value, slope) in enumerate(zip(values, slopes, strict=True))
     )
-    return Branch("shear_modulus", points, Ending("lost", "the step became too short"))
+    return Branch("shear_modulus", points, CurveEnding("lost", "the step became too short"))
 
 
 def test_command_begins_at_a_flow_of_a_strength(

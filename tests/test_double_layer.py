@@ -10,9 +10,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Train
+from celltrain.compiled.kernels import UNFOLD
 from celltrain.flow import own_surface_rule
 from celltrain.flow.own_surface import OwnSurfaceRule
-from celltrain.flow.sources import UNFOLD
 from celltrain.harmonics import UNIT_DISPLACEMENT, coefficient_index
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.tables import harmonic_tables

@@ -14,14 +14,14 @@ from celltrain import Base, CaseError, Stability
 from celltrain.diagnostics import disturbance_amplitude
 from celltrain.evolution import (
     Disturbance,
+    FastestAtFirst,
     ForwardEuler,
     FromFile,
     Leading,
-    Mode,
+    NumberedMode,
     RandomDisplacement,
     Repulsion,
     RungeKuttaChebyshev,
-    Transient,
     evolve,
     linear_prediction,
 )
@@ -278,8 +278,8 @@ def test_the_amplitude_is_the_norm_of_the_paper(coarse_stability: Stability) -> 
     [
         Leading(0.1),
         Leading(0.02, phase=1.0),
-        Mode(5, 0.3),
-        Transient(1e-3),
+        NumberedMode(5, 0.3),
+        FastestAtFirst(1e-3),
         RandomDisplacement(0.2),
     ],
 )
@@ -291,16 +291,18 @@ def test_disturbances_have_the_amplitude_asked_for(coarse_stability, disturbance
 
 def test_modes_as_disturbances(coarse_stability: Stability) -> None:
     first = next(mode for mode in coarse_stability.modes if not mode.neutral)
-    assert_array_equal(Leading(0.1).shapes(coarse_stability), Mode(1, 0.1).shapes(coarse_stability))
+    assert_array_equal(
+        Leading(0.1).shapes(coarse_stability), NumberedMode(1, 0.1).shapes(coarse_stability)
+    )
     assert Leading(0.1).growth_rate(coarse_stability) == first.growth_rate
     fifth = [mode for mode in coarse_stability.modes if not mode.neutral][4]
-    assert Mode(5, 0.1).growth_rate(coarse_stability) == fifth.growth_rate
-    along = np.vdot(Mode(5, 1.0).shapes(coarse_stability), coarse_stability.shape(fifth))
-    sizes = [np.linalg.norm(each(coarse_stability)) for each in (Mode(5, 1.0).shapes,)]
+    assert NumberedMode(5, 0.1).growth_rate(coarse_stability) == fifth.growth_rate
+    along = np.vdot(NumberedMode(5, 1.0).shapes(coarse_stability), coarse_stability.shape(fifth))
+    sizes = [np.linalg.norm(each(coarse_stability)) for each in (NumberedMode(5, 1.0).shapes,)]
     assert_allclose(along, sizes[0] * np.linalg.norm(coarse_stability.shape(fifth)), rtol=1e-12)
     for number in (0, 10000):
         with pytest.raises(CaseError, match=f"mode {number} .* allowed: 1 to"):
-            Mode(number, 0.1).shapes(coarse_stability)
+            NumberedMode(number, 0.1).shapes(coarse_stability)
     with pytest.raises(CaseError, match="its stability is needed"):
         Leading(0.1).shapes(coarse_stability.base)
     with pytest.raises(CaseError, match=r"amplitude = -1"):
@@ -347,7 +349,7 @@ def test_linear_prediction_of_a_mode_and_of_the_transient(coarse_stability: Stab
         assert_allclose(size, begin * np.exp(rate * times), rtol=1e-8)
     # At first the transient grows at the numerical abscissa, and nothing else does.
     step = 1e-5
-    transient = linear_prediction(coarse_stability, Transient(1.0).shapes(coarse_stability))
+    transient = linear_prediction(coarse_stability, FastestAtFirst(1.0).shapes(coarse_stability))
     growth = (transient.eps(step) - transient.eps(0.0)) / step
     assert_allclose(growth, coarse_stability.numerical_abscissa, rtol=1e-3)
     few = dataclasses.replace(coarse_stability, azimuthal_numbers=(1,))

@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Base, Stability, Train, evolve, stability, steady
-from celltrain.evolution import Leading, RandomDisplacement, RungeKuttaChebyshev, Transient
+from celltrain.evolution import FastestAtFirst, Leading, RandomDisplacement, RungeKuttaChebyshev
 
 # Large enough for nothing else to matter, small enough for the linear theory.
 SMALL = 1e-3
@@ -62,7 +62,7 @@ def test_the_transient_disturbance_follows_the_propagator_through_its_peak(
     analysed, calm: Base
 ) -> None:
     start = analysed(calm, 1.0)
-    run = evolve(start, Transient(SMALL), degree=6, until=3.0, every=0.25)
+    run = evolve(start, FastestAtFirst(SMALL), degree=6, until=3.0, every=0.25)
     eps, linear = run.frames["eps"], run.frames["eps_linear"]
     peak = int(np.argmax(linear))
     assert 0 < peak < len(linear) - 1

@@ -109,7 +109,7 @@ def test_figures_and_the_table(as_printed: xr.Dataset, tmp_path: Path) -> None:
     as_printed["spectral_abscissa"].loc[{"diameter": 6, "packing": 0.7}] = np.nan
     for name in ("fig6", "fig8"):
         figure = FIGURES[name]
-        path = figure.draw(as_printed, tmp_path / f"{name}.png")
+        path = figure.draw({"converged": as_printed}, tmp_path / f"{name}.png")
         assert path.stat().st_size > 10_000
     text = findings_table(growth_findings(as_printed))
     assert "| P8 | alpha is below 0.001" in text

@@ -85,12 +85,12 @@ def test_curves_as_the_paper_describes_them(name: str, tmp_path: Path) -> None:
     found = verdicts(name, data)
     assert found
     assert all(found)
-    path = FIGURES[name].draw(data, tmp_path / f"{name}.png")
+    path = FIGURES[name].draw({"converged": data, "paper": data}, tmp_path / f"{name}.png")
     assert path.stat().st_size > 10_000
     # With nothing computed nothing is known, and the picture is empty.
     nothing = collect(paper_study(FIGURES[name], quick=True), {}).data
     assert set(verdicts(name, nothing)) == {None}
-    FIGURES[name].draw(nothing, tmp_path / "empty.png")
+    FIGURES[name].draw({"paper": nothing}, tmp_path / "empty.png")
 
 
 @pytest.mark.parametrize(
@@ -115,9 +115,8 @@ def test_each_statement_can_fail(name, quantity, where, factor, fails) -> None:
     assert {index for index, holds in enumerate(found) if not holds} == fails
 
 
-def test_the_family_of_shapes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("celltrain.paper.cell_volume.QUICK_DEGREE", 8)
-    data = family(True)
+def test_the_family_of_shapes(tmp_path: Path) -> None:
+    data = family(8)
     names = [each.name for each in FIGURES["fig17"].findings(data)]
     assert names == ["P26"] * 3
     assert verdicts("fig17", data)[0]
@@ -127,4 +126,4 @@ def test_the_family_of_shapes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert float(data["thickness"][-1]) == pytest.approx(float(height), rel=1e-5)
     # Without repulsion faces meet at a volume at which ours act.
     assert 0.4 < data["contact"] < 0.6
-    assert FIGURES["fig17"].draw(data, tmp_path / "family.png").stat().st_size > 10_000
+    assert FIGURES["fig17"].draw({"paper": data}, tmp_path / "family.png").stat().st_size > 10_000

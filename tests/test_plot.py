@@ -10,6 +10,7 @@ from PIL import Image
 from celltrain import Base, Run, save
 from celltrain.cli import main
 from celltrain.cli import plot as plot_command
+from celltrain.contract import draw_all
 from celltrain.diagnostics import frame
 from celltrain.evolution import Ending, ForwardEuler, Repulsion
 from celltrain.evolution.methods import EulerMemory
@@ -19,7 +20,7 @@ from celltrain.evolution.record.recompute import FrameProgress
 from celltrain.evolution.state import Measures, State
 from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.pictures import run as run_pictures
-from celltrain.pictures.run import plot_run, spread
+from celltrain.pictures.run import spread
 from celltrain.train import place_cells
 
 PICTURES = ["growth.png", "growth_log_time.png", "snapshots.png", "record.png"]
@@ -154,7 +155,7 @@ def test_a_simulation_that_has_only_begun_is_drawn(run: Run, tmp_path: Path) -> 
         shapes=run.shapes[:1],
         frames={name: each[:1] for name, each in run.frames.items()},
     )
-    assert [path.name for path in plot_run(begun, tmp_path)] == ["snapshots.png"]
+    assert [path.name for path in draw_all(begun, tmp_path)] == ["snapshots.png"]
     assert_drawn([tmp_path / "snapshots.png"])
 
 

@@ -25,7 +25,7 @@ from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.films.forces import FilmForces, film_forces
 from celltrain.evolution.methods.chebyshev import chebyshev_step
 from celltrain.evolution.methods.runge_kutta_chebyshev import GAP_SHARE
-from celltrain.evolution.report import run_summary
+from celltrain.evolution.record.repulsion import repulsion_record
 from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.proximity.distances import cell_distance
@@ -274,7 +274,7 @@ def test_within_the_range_a_step_errs_by_part_of_the_gap_and_runs_go_on_bit_for_
     # What is called the energy is that of the membranes.
     elastic = sum(whole.frames[f"energy_{part}"] for part in ("shear", "dilatation", "bending"))
     assert_allclose(history["energy"][0], elastic[0].sum(), rtol=1e-10)
-    record = run_summary(whole)["repulsion"]
+    record = repulsion_record(whole)
     assert record["range"] == 0.02
     assert record["since"] == 0.0
     assert record["duration"] == pytest.approx(whole.state.time)

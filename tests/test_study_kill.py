@@ -16,7 +16,7 @@ import pytest
 from celltrain.contract import load
 from celltrain.results import save
 from celltrain.steady import Base
-from celltrain.study import Record
+from celltrain.study import CaseRecord
 
 pytest.importorskip("distributed")
 psutil = pytest.importorskip("psutil")
@@ -83,11 +83,11 @@ def started(folder: Path) -> list[tuple[str, int]]:
     return [(line.split()[0], int(line.split()[1])) for line in lines]
 
 
-def records(folder: Path) -> dict[float, Record]:
+def records(folder: Path) -> dict[float, CaseRecord]:
     """All records of the folder by diameter; each must be whole, with its steady train."""
     found = {}
     for path in (folder / "cases").glob("*.json"):
-        record = Record.model_validate_json(path.read_text())
+        record = CaseRecord.model_validate_json(path.read_text())
         if record.status == "finished":
             load(path.with_suffix(".nc"))
         found[record.case["tube"]["diameter"]] = record

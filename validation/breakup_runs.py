@@ -16,9 +16,10 @@ from rich.console import Console
 
 from celltrain import CaseError, Run, Train, evolve, paper_units, resume, stability, steady
 from celltrain.cli.progress import Reporter
+from celltrain.cli.simulation_progress import SimulationReporter
+from celltrain.contract import presentation
 from celltrain.evolution import Disturbance, Leading, RandomDisplacement
 from celltrain.evolution.record.recompute import pressure_drops
-from celltrain.evolution.report import SimulationReporter, run_summary
 from celltrain.pictures.evolution import draw_snapshots
 from celltrain.pictures.run import relative_velocities, spread
 
@@ -152,7 +153,7 @@ def summary(run: Run) -> dict[str, Any]:
     }
     chosen = sorted({*spread(len(run.times), KEPT_TIMES), *snapshot_frames(run.times)})
     return {
-        **run_summary(run),
+        **presentation(run.kind).summary(run),
         "cell_velocity": run.base.cell_velocity,
         "events": events(run, measures),
         "times": run.times[chosen].tolist(),

@@ -23,6 +23,7 @@ class Page:
 
     name: str
     title: str
+    folder: Path = FOLDER
     parts: list[str] = field(default_factory=list)
     begin: float = field(default_factory=time.perf_counter)
     console: Console = field(default_factory=lambda: Console(stderr=True))
@@ -43,8 +44,8 @@ class Page:
 
     def figure(self, figure: Figure, caption: str) -> None:
         """Save the figure beside the page and show it there."""
-        FOLDER.mkdir(parents=True, exist_ok=True)
-        figure.savefig(FOLDER / f"{self.name}.png", dpi=DOTS_PER_INCH)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        figure.savefig(self.folder / f"{self.name}.png", dpi=DOTS_PER_INCH)
         self.parts.append(f"![{caption}]({self.name}.png)\n\n*{caption}*")
 
     def log(self, message: str) -> None:
@@ -60,8 +61,8 @@ class Page:
             f" {datetime.now(UTC).strftime('%Y-%m-%d')} with celltrain {__version__},"
             f" in {minutes:.1f} minutes on {len(os.sched_getaffinity(0))} cores."
         )
-        FOLDER.mkdir(parents=True, exist_ok=True)
-        path = FOLDER / f"{self.name}.md"
+        self.folder.mkdir(parents=True, exist_ok=True)
+        path = self.folder / f"{self.name}.md"
         path.write_text("\n\n".join([f"# {self.title}", *self.parts, footer]) + "\n")
         self.log(f"wrote {path}")
         return path

@@ -13,10 +13,10 @@ from page import DOTS_PER_INCH, FOLDER, Page, plain_figure
 from rich.console import Console
 
 from celltrain import Run, Stability, Train, evolve, stability
-from celltrain.evolution import Disturbance, Leading, Transient, linear_prediction
-from celltrain.evolution.report import SimulationReporter
-from celltrain.harmonics import azimuthal_basis
-from celltrain.stability import PaperNorm, neutral_space, normed_blocks, propagator_norm
+from celltrain.cli.simulation_progress import SimulationReporter
+from celltrain.evolution import Disturbance, FastestAtFirst, Leading, linear_prediction
+from celltrain.paper.initial import kept_volume
+from celltrain.stability import PaperNorm, normed_blocks, propagator_norm
 
 # r0/U: a fifth of the paper's pictures, by when nothing but the leading mode is left.
 UNTIL = 50.0
@@ -142,7 +142,7 @@ def simulate(page: Page, starts: dict[str, Stability]) -> None:
     for panel, axes in zip(PANELS, figure.subplots(1, len(PANELS)), strict=True):
         start = starts[panel.figure]
         runs = {
-            "v_eta": simulated(start, Transient(panel.amplitude)),
+            "v_eta": simulated(start, FastestAtFirst(panel.amplitude)),
             "v_alpha": simulated(start, Leading(panel.amplitude)),
         }
         draw(axes, panel, start, runs)
@@ -205,22 +205,13 @@ class Linear:
     growth_of: dict[str, np.ndarray]
 
 
-def of_kept_volume(start: Stability, disturbance: Disturbance) -> np.ndarray:
-    """The disturbance less what changes the cells' volumes, as simulations begin with it."""
-    shapes = np.asarray(disturbance.shapes(start))
-    members = neutral_space(start.base, 0, 1).volume
-    assert members is not None
-    basis = azimuthal_basis(start.base.train.degree, 0)
-    gradient = np.tensordot(members, basis, axes=1)
-    share = np.tensordot(shapes, gradient, axes=2) / np.sum(gradient**2)
-    return shapes - share[:, None, None] * gradient
-
-
 def linear_measures(start: Stability) -> Linear:
     """The numbers of the linear theory."""
     sizes = {
-        name: linear_prediction(start, of_kept_volume(start, disturbance)).sizes(TIMES)[0]
-        for name, disturbance in (("v_eta", Transient(1e-3)), ("v_alpha", Leading(1e-3)))
+        name: linear_prediction(start, kept_volume(start, disturbance.shapes(start))).sizes(TIMES)[
+            0
+        ]
+        for name, disturbance in (("v_eta", FastestAtFirst(1e-3)), ("v_alpha", Leading(1e-3)))
     }
     sizes = {name: each / each[0] for name, each in sizes.items()}
     size = sizes["v_eta"]

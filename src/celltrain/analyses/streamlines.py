@@ -15,7 +15,7 @@ from celltrain.steady import Base, steady
 
 
 @dataclass(frozen=True, eq=False)
-class Streamlines(Record):
+class FlowInCellFrame(Record):
     """The flow in the cells' frame, and what turns back between them."""
 
     kind: ClassVar[str] = "streamlines"
@@ -27,12 +27,12 @@ class Streamlines(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlowAroundCells(Analysis[Streamlines]):
+class FlowAroundCells(Analysis[FlowInCellFrame]):
     """Compute the flow around the cells, and what turns back between them (Fig. 7)."""
 
-    result = Streamlines
+    result = FlowInCellFrame
 
-    def compute(self, train: Train, start: Base | None, progress: Progress) -> Streamlines:
+    def compute(self, train: Train, start: Base | None, progress: Progress) -> FlowInCellFrame:
         """Compute the steady train and the flow.
 
         Raises:
@@ -41,10 +41,10 @@ class FlowAroundCells(Analysis[Streamlines]):
         base = steady(train, start=start, progress=progress.iteration)
         progress.log("velocity of the fluid between the cells")
         flow = meridional_flow(base)
-        return Streamlines(base, flow, recirculation(base, flow))
+        return FlowInCellFrame(base, flow, recirculation(base, flow))
 
     @classmethod
-    def report(cls, result: Streamlines, console: Console) -> None:
+    def report(cls, result: FlowInCellFrame, console: Console) -> None:
         """Print what turns back."""
         found = result.recirculation
         console.print(case_line(result.base))
@@ -56,7 +56,7 @@ class FlowAroundCells(Analysis[Streamlines]):
         console.print(table)
 
     @classmethod
-    def pictures(cls, result: Streamlines) -> Mapping[str, Draw]:
+    def pictures(cls, result: FlowInCellFrame) -> Mapping[str, Draw]:
         """The streamlines."""
         from celltrain.pictures import draw_streamlines
 

@@ -28,7 +28,7 @@ NormName = Annotated[
 
 
 @dataclass(frozen=True, kw_only=True)
-class Transient(OfStability[TransientGrowth]):
+class TransientAnalysis(OfStability[TransientGrowth]):
     """Compute the transient growth of disturbances: how much, when, and of which.
 
     All azimuthal numbers are computed if none are given.

@@ -5,7 +5,6 @@ not converge, or the simulation could not go on (the file holds all until then);
 Ctrl-C or SIGTERM, and saved: ``--resume`` goes on with it.
 """
 
-import json as json_module
 import signal
 import sys
 import threading
@@ -18,36 +17,34 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
+from celltrain.cli.compute import NOT_CONVERGED, Request, print_result, read_request, read_result
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.outputs import check_output
 from celltrain.cli.progress import Reporter
-from celltrain.contract import load
+from celltrain.cli.simulation_progress import SimulationReporter
+from celltrain.contract import presentation
 from celltrain.evolution import (
     Disturbance,
+    FastestAtFirst,
     ForwardEuler,
     FromFile,
     Leading,
-    Mode,
+    NumberedMode,
     RandomDisplacement,
     Repulsion,
     Run,
     RungeKuttaChebyshev,
     StepFailed,
-    Transient,
     resume,
 )
 from celltrain.evolution import evolve as simulate
 from celltrain.evolution.checks import check_positive
 from celltrain.evolution.films.repulsion import RANGE, STRENGTH
-from celltrain.evolution.report import SimulationReporter, print_run, run_summary
 from celltrain.evolution.start import DEGREE
-from celltrain.parameters import CaseError, merge_case, read_case
+from celltrain.parameters import CaseError
 from celltrain.stability import Stability, check_linearisable, stability
 from celltrain.steady import Base, NotConverged, steady
 
-#: Exit status of a simulation, or of its steady train, that could not go on.
-FAILED = 3
-INTERRUPTED = 130
 DEFAULT_AMPLITUDE = 0.1
 
 Source = Annotated[
@@ -155,15 +152,19 @@ def evolve(
                     )
         except NotConverged as failure:
             errors.print(f"not converged: {failure}", markup=False, highlight=False)
-            return FAILED
+            return NOT_CONVERGED
         except StepFailed as failure:
             errors.print(f"celltrain: {failure}", markup=False, highlight=False)
-            return FAILED
-    if json:
-        print(json_module.dumps(run_summary(run), indent=2, allow_nan=False))
-    else:
-        print_run(run, Console())
-    return _status(run, output, errors)
+            return NOT_CONVERGED
+    print_result(run, as_json=json)
+    shown = presentation(run.kind)
+    if run.ending.kind != "complete":
+        errors.print(
+            f"celltrain: {run.ending.message}", markup=False, highlight=False, soft_wrap=True
+        )
+        if run.ending.kind != "not_saved":
+            errors.print(f"all until t = {run.state.time:.6g} r0/U is in {output}", markup=False)
+    return shown.status(run)
 
 
 @contextmanager
@@ -204,9 +205,13 @@ def parse_disturbance(text: str, amplitude: float | None) -> Disturbance:
     name, _, number = text.partition(":")
     size = DEFAULT_AMPLITUDE if amplitude is None else amplitude
     if text in ("leading", "transient"):
-        return Leading(size) if text == "leading" else Transient(size)
+        return Leading(size) if text == "leading" else FastestAtFirst(size)
     if (name == "mode" and number.isdecimal()) or (name == "random" and number.isdecimal()):
-        return Mode(int(number), size) if name == "mode" else RandomDisplacement(size, int(number))
+        return (
+            NumberedMode(int(number), size)
+            if name == "mode"
+            else RandomDisplacement(size, int(number))
+        )
     if text == "random":
         return RandomDisplacement(size)
     if Path(text).suffix in (".nc", ".npy"):
@@ -246,27 +251,15 @@ def _start(
     quiet: bool,
 ) -> tuple[Base | Stability, int]:
     """What the simulation starts from, and its degree: read if it is there, computed otherwise."""
-    known: Base | Stability | None = None
-    if source is not None and source.suffix == ".nc":
-        try:
-            known = load(source)
-        except (OSError, ValueError) as error:
-            raise CaseError(f"{str(source)!r} is no result of celltrain: {error}") from None
-    base = known.base if isinstance(known, Stability) else known
-    if base is None:
-        train = merge_case(read_case(source) if source else {}, leaves)
-        degree = DEGREE if train.resolution.degree is None else train.resolution.degree
-    elif leaves.get("units") == "SI":
-        train = merge_case(base.train.leaves("SI"), leaves)
-        degree = leaves.get("degree", DEGREE)
-    else:
-        changes = {name: value for name, value in leaves.items() if name != "units"}
-        train = base.train.changed(**changes)
-        degree = leaves.get("degree", DEGREE)
+    train, base = read_request(Request(case=source), leaves)
+    # A file's degree is that of its own computation; simulations have theirs.
+    given = train.resolution.degree if base is None else leaves.get("degree")
+    degree = DEGREE if given is None else int(given)
     train = train.changed(degree=degree)
+    known = None if base is None or source is None else read_result(source, "case")
     if isinstance(known, Stability) and train == known.base.train.changed(degree=degree):
         return known, degree
-    linear = isinstance(disturbance, Leading | Mode | Transient)
+    linear = isinstance(disturbance, Leading | NumberedMode | FastestAtFirst)
     if linear:
         check_linearisable(train, None)
     with Reporter(errors, quiet=quiet) as reporter:
@@ -275,12 +268,3 @@ def _start(
         if not linear:
             return base, degree
         return stability(base, estimate_error=False, progress=reporter.share), degree
-
-
-def _status(run: Run, output: Path | None, errors: Console) -> int:
-    if run.ending.kind == "complete":
-        return 0
-    errors.print(f"celltrain: {run.ending.message}", markup=False, highlight=False, soft_wrap=True)
-    if run.ending.kind != "not_saved":
-        errors.print(f"all until t = {run.state.time:.6g} r0/U is in {output}", markup=False)
-    return INTERRUPTED if run.ending.kind == "interrupted" else FAILED

@@ -15,24 +15,44 @@ from rich.console import Console
 from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.compute import NOT_CONVERGED
 from celltrain.cli.outputs import check_folder
-from celltrain.cli.study_run import Count, Retry, Run, Scheduler, compute
+from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
 from celltrain.paper import FIGURES, PaperFigure, findings_table, paper_study
-from celltrain.paper.figures import PAPER_DEGREE
+from celltrain.paper.resolutions import CONVERGED, PAPER, Resolutions
+from celltrain.paper.trains import PAPER_DEGREE
 from celltrain.parameters import CaseError
 from celltrain.results import replace_file, save, write_dataset
 from celltrain.study import collect
 
 FigureName = Annotated[
-    Literal["fig6", "fig8", "fig13", "fig14", "fig16", "fig17", "fig19"],
-    Parameter(help="Figure of the paper."),
+    Literal[
+        "fig3",
+        "fig4",
+        "fig5",
+        "fig6",
+        "fig7",
+        "fig8",
+        "fig9",
+        "fig10",
+        "fig11",
+        "fig13",
+        "fig14",
+        "fig16",
+        "fig17",
+        "fig19",
+        "fig20",
+        "table1",
+    ],
+    Parameter(help="Figure of the paper, or its table."),
 ]
 Quick = Annotated[
-    bool, Parameter(help="A coarse grid at a low degree: the pattern in minutes.", negative=())
+    bool,
+    Parameter(help="Of a map or curve, a coarse grid at a low degree: the pattern.", negative=()),
 ]
 Resolution = Annotated[
     Literal["converged", "paper"],
     Parameter(
-        help="Converged to one per cent, or degree 12 as in the paper (a fifth of the time)."
+        help="Converged to one per cent, or degree 12 as in the paper. Where results of the other"
+        " one lie in its folder, the picture shows both."
     ),
 ]
 Folder = Annotated[
@@ -64,12 +84,13 @@ def paper(
     Exit status 3 if cases failed. A statement that does not hold is a result, no failure.
     """
     chosen = FIGURES[figure]
-    if quick and resolution == "paper":
-        raise CaseError("resolution = 'paper' is not allowed with quick, which has its own degree")
-    degree = PAPER_DEGREE if resolution == "paper" else None
-    ending = "-quick" if quick else "" if degree is None else f"-degree-{degree}"
-    folder = output or Path(f"paper-{chosen.study}{ending}")
-    run = Run(folder, workers, scheduler, retry, quiet)
+    if quick and (resolution == PAPER or chosen.compute is not None):
+        where = "resolution = 'paper'" if resolution == PAPER else figure
+        raise CaseError(f"quick is not allowed with {where}; allowed: maps and curves")
+    degree = PAPER_DEGREE if resolution == PAPER else None
+    usual = {CONVERGED: f"paper-{chosen.study}", PAPER: f"paper-{chosen.study}-degree-12"}
+    folder = output or Path(f"{usual[CONVERGED]}-quick" if quick else usual[resolution])
+    run = StudyRun(folder, workers, scheduler, retry, quiet)
     errors = Console(stderr=True)
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr):
@@ -77,10 +98,15 @@ def paper(
         findings = chosen.findings(data)
         text = findings_table(findings)
         written.append(_write(text, folder / f"{figure}.md"))
-        written.append(chosen.draw(data, folder / f"{figure}.png"))
+        both: Resolutions = {resolution: data}
+        if output is None and not quick:
+            both |= _beside(resolution, usual)
+        written.append(chosen.draw(both, folder / f"{figure}.png"))
         if not quiet:
             for path in written:
                 errors.print(f"wrote {path}", highlight=False, markup=False, soft_wrap=True)
+            if chosen.needs:
+                errors.print(f"without {chosen.needs}", highlight=False, soft_wrap=True)
     if json:
         print(json_.dumps([asdict(finding) for finding in findings], indent=2))
     else:
@@ -88,21 +114,32 @@ def paper(
     return NOT_CONVERGED if failed else 0
 
 
+def _beside(resolution: str, folders: dict[str, str]) -> Resolutions:
+    """The data of the other resolution, if they lie in its folder."""
+    [other] = set(folders) - {resolution}
+    path = Path(folders[other]) / "study.nc"
+    if not path.is_file():
+        return {}
+    with xr.open_dataset(path) as data:
+        return {other: data.load()}
+
+
 def _data(
-    figure: PaperFigure, run: Run, errors: Console, *, quick: bool, degree: int | None
+    figure: PaperFigure, run: StudyRun, errors: Console, *, quick: bool, degree: int | None
 ) -> tuple[xr.Dataset, list[Path], bool]:
     """The data of a figure, the files with it, and whether a case failed."""
+    path = run.folder / "study.nc"
     if figure.compute is not None:
         check_folder(run.folder, "output")
-        data = figure.compute(quick)
-        return data, [write_dataset(data, run.folder / "shapes.nc")], False
+        if path.is_file() and not run.retry:
+            with xr.open_dataset(path) as kept:
+                return kept.load(), [], False
+        data = figure.compute(degree)
+        return data, [write_dataset(data, path)], False
     study = paper_study(figure, quick=quick, degree=degree)
     records = compute(study, run, errors)
     result = collect(study, records)
-    written = [
-        save(result, run.folder / "study.nc"),
-        _write(result.table(), run.folder / "table.md"),
-    ]
+    written = [save(result, path), _write(result.table(), run.folder / "table.md")]
     return result.data, written, any(record.status == "failed" for record in records.values())
 
 

@@ -76,7 +76,12 @@ def plot(
     check_folder(folder, "output")
     errors, console = Console(stderr=True), Console()
     with Reporter(errors, quiet=quiet) as reporter:
-        reporter.log(f"pictures of a result of the kind {content.kind}")
+        reporter.log(
+            f"pictures of a result of the kind {content.kind}"
+            if simulation is None
+            else f"simulation until t = {simulation.state.time:.6g} of {simulation.until:g} r0/U,"
+            f" {len(simulation.times)} frames: {simulation.ending.message}"
+        )
         kept = True
         for path, failure in draw_each(content, folder):
             kept &= failure is None

@@ -23,10 +23,10 @@ from celltrain.cli.options import reader
 from celltrain.cli.outputs import check_folder
 from celltrain.parameters import CaseError
 from celltrain.study import (
-    Progress,
-    Record,
+    CaseRecord,
     StabilityOfCase,
     Study,
+    StudyProgress,
     Workers,
     WorkersLost,
     local_workers,
@@ -54,7 +54,7 @@ Retry = Annotated[bool, Parameter(help="Compute failed cases again.", negative=(
 
 
 @dataclass(frozen=True)
-class Run:
+class StudyRun:
     """How a study is run: where to, by what, and whether failed cases are computed again."""
 
     folder: Path
@@ -64,7 +64,7 @@ class Run:
     quiet: Quiet = False
 
 
-def compute(study: Study, run: Run, errors: Console) -> dict[tuple[int, ...], Record]:
+def compute(study: Study, run: StudyRun, errors: Console) -> dict[tuple[int, ...], CaseRecord]:
     """Run or resume a study; returns the records by the cases' indices.
 
     Raises:
@@ -75,11 +75,11 @@ def compute(study: Study, run: Run, errors: Console) -> dict[tuple[int, ...], Re
         raise CaseError("workers and scheduler are not allowed together: give one of them")
     check_folder(run.folder, "output")
     computation = StabilityOfCase(study.computed)
-    last: list[Progress] = []
+    last: list[StudyProgress] = []
     try:
         with _workers(run) as workers, _shown(study, errors, quiet=run.quiet) as show:
 
-            def tell(progress: Progress) -> None:
+            def tell(progress: StudyProgress) -> None:
                 last[:] = [progress]
                 show(progress)
 
@@ -103,7 +103,7 @@ def compute(study: Study, run: Run, errors: Console) -> dict[tuple[int, ...], Re
         raise KeyboardInterrupt(kept) from None
 
 
-def _workers(run: Run) -> AbstractContextManager[Workers]:
+def _workers(run: StudyRun) -> AbstractContextManager[Workers]:
     return scheduled_workers(run.scheduler) if run.scheduler else local_workers(run.workers)
 
 
@@ -136,7 +136,7 @@ class _Show:
         self._lines = lines
         self._task = bar.add_task(study.title, total=len(study.cases), note="")
 
-    def __call__(self, progress: Progress) -> None:
+    def __call__(self, progress: StudyProgress) -> None:
         done = progress.finished + progress.failed
         note = f"{progress.failed} failed" if progress.failed else ""
         self._bar.update(self._task, completed=done, note=note)

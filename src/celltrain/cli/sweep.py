@@ -11,7 +11,7 @@ from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.compute import NOT_KEPT, Request, keep, keep_text
-from celltrain.cli.study_run import Count, Retry, Run, Scheduler, compute
+from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
 from celltrain.contract import presentation
 from celltrain.study import collect, read_study
 
@@ -43,7 +43,7 @@ def sweep(
     """
     wanted = read_study(study)
     folder = output or Path(study.stem)
-    run = Run(folder, workers, scheduler, retry, quiet)
+    run = StudyRun(folder, workers, scheduler, retry, quiet)
     errors = Console(stderr=True)
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr):

@@ -1,5 +1,18 @@
-"""Loops compiled by Numba that XLA calls: sums over pairs, which XLA's own code does slowly."""
+"""Kernels of the three-dimensional operator, and loops over pairs that XLA's own code does slowly.
 
+The kernels' arithmetic stands once, in `kernels`. Sums over pairs are loops compiled by Numba where
+these serve, and plain formulas for JAX everywhere else (`dispatch`).
+"""
+
+from celltrain.compiled.call_frame import LOOPS_SERVE
+from celltrain.compiled.dispatch import compiled_or_plain, loop
 from celltrain.compiled.near_loops import FORCE_PAIRS, NODE_FORCES, STRESSLET_PAIRS
 
-__all__ = ["FORCE_PAIRS", "NODE_FORCES", "STRESSLET_PAIRS"]
+__all__ = [
+    "FORCE_PAIRS",
+    "LOOPS_SERVE",
+    "NODE_FORCES",
+    "STRESSLET_PAIRS",
+    "compiled_or_plain",
+    "loop",
+]

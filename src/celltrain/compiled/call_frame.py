@@ -9,17 +9,26 @@ is
     def loop(frame_address):
         if is_question(frame_address):
             return describe(frame_address)
+        if not fits(frame_address, (FLOATS,)):
+            return refuse(frame_address)
         values = numbers(frame_address, 0)
         result(frame_address)[:] = ...
         return 0
 
-which `jax.ffi.ffi_call("name", ...)` calls. Arrays are handed over flat, in C order; a loop must
-not raise. Numba keeps the machine code beside the source files, or in its cache folder where these
-cannot be written; after a change in this module remove it.
+which `dispatch.compiled_or_plain` calls. Arrays are handed over flat, in C order; a loop must not
+raise. Numba keeps the machine code beside the source files, or in its cache folder where these
+cannot be written; after a change in this module or in `kernels` remove it.
+
+All numbers below are compared with the header when this module is imported. Where they differ from
+it, or the machine is not one of 64 bits with the lowest byte first, no loop is compiled or used.
 """
 
 import ctypes
+import sys
+import warnings
 from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -28,19 +37,92 @@ from numba import carray, cfunc, njit, types
 from numba.extending import intrinsic
 
 import celltrain.runtime  # noqa: F401
+from celltrain.compiled.header import HEADER, Header
 
 # Address of the frame -> address of an error, 0 for none.
 _SIGNATURE = types.int64(types.int64)
 
 # Words of the frame: what extends it, and the lists of the arguments' and results' addresses.
 _EXTENSION, _ARGUMENTS, _RESULTS, _FRAME_WORDS = 1, 9, 14, 22
-# Words of a buffer: address of its data, number of its axes, address of their sizes.
-_DATA, _RANK, _SIZES, _BUFFER_WORDS = 3, 4, 5, 6
+# Words of a buffer: type (half a word), address of its data, number of its axes, address of their
+# sizes.
+_TYPE, _DATA, _RANK, _SIZES, _BUFFER_WORDS = 2, 3, 4, 5, 6
+# Types of arguments: 64-bit floats, 64-bit integers, truth values.
+FLOATS, INTEGERS, FLAGS = 12, 5, 1
 # Words of what extends a frame: its kind (half a word), of which one is the question for the
 # version, and the address of the answer; words of the answer.
 _KIND, _QUESTION, _ANSWER = 1, 1, 3
 _VERSION, _TRAITS, _ANSWER_WORDS = 3, 4, 5
 _MAJOR, _MINOR = 0, 3
+
+
+# The same by the header's names.
+_BY_NAME = {
+    "XLA_FFI_API_MAJOR": _MAJOR,
+    "XLA_FFI_API_MINOR": _MINOR,
+    "XLA_FFI_Extension_Metadata": _QUESTION,
+    "XLA_FFI_DataType_F64": FLOATS,
+    "XLA_FFI_DataType_S64": INTEGERS,
+    "XLA_FFI_DataType_PRED": FLAGS,
+}
+_PLACES: dict[tuple[str, str], float] = {
+    ("XLA_FFI_CallFrame", "extension_start"): _EXTENSION,
+    ("XLA_FFI_CallFrame", "args.args"): _ARGUMENTS,
+    ("XLA_FFI_CallFrame", "rets.rets"): _RESULTS,
+    ("XLA_FFI_Buffer", "dtype"): _TYPE,
+    ("XLA_FFI_Buffer", "data"): _DATA,
+    ("XLA_FFI_Buffer", "rank"): _RANK,
+    ("XLA_FFI_Buffer", "dims"): _SIZES,
+    ("XLA_FFI_Extension_Base", "type"): _KIND,
+    ("XLA_FFI_Metadata_Extension", "metadata"): _ANSWER,
+    ("XLA_FFI_Metadata", "api_version.major_version"): _VERSION,
+    ("XLA_FFI_Metadata", "api_version.minor_version"): _VERSION + 0.5,
+    ("XLA_FFI_Metadata", "traits"): _TRAITS,
+}
+
+
+def differences(include: Path) -> list[str]:
+    """In what the header in a folder of jaxlib differs from what the loops are written for."""
+    found = []
+    try:
+        header = Header((include / HEADER).read_text(encoding="utf-8"))
+    except OSError as error:
+        return [f"its header cannot be read: {error}"]
+    for name, expected in _BY_NAME.items():
+        number = header.numbers.get(name)
+        if number != expected:
+            found.append(f"{name} is {number} instead of {expected}")
+    for (structure, field), words in _PLACES.items():
+        try:
+            place = header.offset(structure, field)
+        except LookupError as error:
+            found.append(str(error))
+        else:
+            if place != 8 * words:
+                found.append(f"{structure}.{field} is at byte {place} instead of {8 * words:g}")
+    return found
+
+
+def _obstacle() -> str | None:
+    """Why compiled loops cannot be used here, or None."""
+    if sys.maxsize < 2**32 or sys.byteorder != "little":
+        return "this machine is not one of 64 bits with the lowest byte first"
+    found = differences(Path(jax.ffi.include_dir()))
+    if found:
+        return f"jaxlib {version('jaxlib')} calls them differently: " + "; ".join(found)
+    return None
+
+
+_REASON = _obstacle()
+#: Whether loops are compiled and used, on processors.
+LOOPS_SERVE = _REASON is None
+if not LOOPS_SERVE:
+    warnings.warn(
+        "celltrain uses plain formulas in place of its compiled loops, which makes velocities"
+        f" several times slower: {_REASON}",
+        RuntimeWarning,
+        stacklevel=2,
+    )
 
 
 @intrinsic
@@ -79,6 +161,22 @@ def describe(frame: int) -> int:
 def _buffer(frame: int, place: int, number: int) -> Any:
     listed = _words(_words(frame, _FRAME_WORDS)[place], number + 1)
     return _words(listed[number], _BUFFER_WORDS)
+
+
+@njit(inline="always")
+def fits(frame: int, kinds: tuple[int, ...]) -> bool:
+    """Whether the arguments have these types."""
+    for number in range(len(kinds)):
+        if _buffer(frame, _ARGUMENTS, number)[_TYPE] & 0xFFFFFFFF != kinds[number]:
+            return False
+    return True
+
+
+@njit(inline="always")
+def refuse(frame: int) -> int:
+    """Make the result NaN: the arguments are not what the loop takes."""
+    result(frame)[:] = np.nan
+    return 0
 
 
 @njit(inline="always")
@@ -125,9 +223,11 @@ def result(frame: int) -> Any:
 
 
 def handler(name: str) -> Callable[[Callable[[int], int]], Any]:
-    """Compile a loop, and let `jax.ffi.ffi_call(name, ...)` call it, on processors."""
+    """Compile a loop, and let XLA find it by its name, on processors, if loops serve here."""
 
     def compiled(loop: Callable[[int], int]) -> Any:
+        if not LOOPS_SERVE:
+            return loop
         try:
             made = cfunc(_SIGNATURE, cache=True)(loop)
         except RuntimeError:

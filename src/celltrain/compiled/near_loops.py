@@ -1,8 +1,8 @@
 """Compiled loops over the pairs of a target and a source point: the near kernels.
 
-The same sums as the formulas in `flow.near` and `flow.force_sums`, but five to seven times as fast
-as XLA's code for these: one pass over the pairs, and no arrays over them. They have no derivatives
-of their own.
+The same sums of the same `kernels` as the formulas in `flow.near` and `flow.force_sums`, but five
+to seven times as fast as XLA's code for these: one pass over the pairs, and no arrays over them.
+They have no derivatives of their own.
 """
 
 import math
@@ -11,14 +11,26 @@ from typing import Any
 from numba import njit
 
 from celltrain.compiled.call_frame import (
+    FLAGS,
+    FLOATS,
+    INTEGERS,
     describe,
+    fits,
     flags,
     handler,
     integers,
     is_question,
     numbers,
+    refuse,
     result,
     sizes,
+)
+from celltrain.compiled.kernels import (
+    squared,
+    stokeslet,
+    stokeslet_scalars,
+    stresslet_of_dyad,
+    stresslet_scalars,
 )
 from celltrain.compiled.scaled_erfc import SCALED_ERFC, SCALED_ERFC_MIDDLE
 
@@ -27,7 +39,7 @@ FORCE_PAIRS, STRESSLET_PAIRS, NODE_FORCES = (
     f"celltrain_{name}" for name in ("force_pairs", "stresslet_pairs", "node_forces")
 )
 
-# Sums may be taken in any order; numbers that are none stay none.
+# Sums may be taken in any order; NaN stays NaN.
 _FAST = {"contract", "reassoc", "nsz", "arcp"}
 # exp(-x) is the 64th power of exp(-x/64), by its series about the middle of 0 <= x <= 40, beyond
 # which it is nothing.
@@ -35,6 +47,9 @@ _LARGEST, _MIDDLE = 40.0, 40.0 / 128.0
 _SERIES = tuple(math.exp(-_MIDDLE) * (-1.0) ** k / math.factorial(k) for k in range(12))
 _ERFC, _ERFC_MIDDLE = tuple(SCALED_ERFC[::-1]), SCALED_ERFC_MIDDLE
 _GAUSS = 2.0 / math.sqrt(math.pi)
+# Types of the loops' arguments.
+_PAIR_ARGUMENTS = (FLOATS, FLOATS, FLOATS, INTEGERS, INTEGERS, INTEGERS, FLAGS, FLOATS)
+_NODE_ARGUMENTS = (FLOATS, FLOATS, FLOATS, FLOATS)
 
 
 @njit(fastmath=_FAST, inline="always", error_model="numpy")
@@ -74,26 +89,18 @@ def _near_parts(square: float, xi: float) -> tuple[float, float, float]:
     return polynomial * gauss * inverse, _GAUSS * xi * gauss, inverse * inverse
 
 
-@njit(fastmath=_FAST, inline="always", error_model="numpy")
-def _force_pair(square: float, along: float, xi: float) -> tuple[float, float]:
-    """A, and C (d.f), of the velocity A f + C (d.f) d."""
-    screened, gauss, inverse_square = _near_parts(square, xi)
-    return screened - gauss, (screened + gauss) * inverse_square * along
-
-
 @njit(fastmath=_FAST, error_model="numpy")
 def _force_block(x: float, y: float, z: float, points: Any, forces: Any, xi: float) -> Any:
     """Velocity at one target by a block of sources [3, source]."""
     u = v = w = 0.0
     for s in range(points.shape[1]):
-        dx, dy, dz = x - points[0, s], y - points[1, s], z - points[2, s]
-        fx, fy, fz = forces[0, s], forces[1, s], forces[2, s]
-        isotropic, scaled = _force_pair(
-            dx * dx + dy * dy + dz * dz, dx * fx + dy * fy + dz * fz, xi
-        )
-        u += isotropic * fx + scaled * dx
-        v += isotropic * fy + scaled * dy
-        w += isotropic * fz + scaled * dz
+        d = (x - points[0, s], y - points[1, s], z - points[2, s])
+        parts = _near_parts(squared(d), xi)
+        force = (forces[0, s], forces[1, s], forces[2, s])
+        by = stokeslet(stokeslet_scalars(parts[0], parts[1], parts[2]), d, force)
+        u += by[0]
+        v += by[1]
+        w += by[2]
     return u, v, w
 
 
@@ -102,20 +109,14 @@ def _stresslet_block(x: float, y: float, z: float, points: Any, dyads: Any, xi: 
     """Velocity T_near(y - x)_ijk D_jk/2 at one target by a block of sources, D as [6, source]."""
     u = v = w = 0.0
     for s in range(points.shape[1]):
-        dx, dy, dz = x - points[0, s], y - points[1, s], z - points[2, s]
-        xx, xy, xz = dyads[0, s], dyads[1, s], dyads[2, s]
-        yy, yz, zz = dyads[3, s], dyads[4, s], dyads[5, s]
-        screened, gauss, inverse_square = _near_parts(dx * dx + dy * dy + dz * dz, xi)
-        linear = 2.0 * xi * xi * gauss
-        core = (screened + gauss) * inverse_square
-        cubic = -2.0 * (3.0 * core + linear) * inverse_square
-        tx = xx * dx + xy * dy + xz * dz
-        ty = xy * dx + yy * dy + yz * dz
-        tz = xz * dx + yz * dy + zz * dz
-        scaled = 0.5 * (linear * (xx + yy + zz) + cubic * (tx * dx + ty * dy + tz * dz))
-        u -= scaled * dx + linear * tx
-        v -= scaled * dy + linear * ty
-        w -= scaled * dz + linear * tz
+        d = (x - points[0, s], y - points[1, s], z - points[2, s])
+        parts = _near_parts(squared(d), xi)
+        dyad = (dyads[0, s], dyads[1, s], dyads[2, s], dyads[3, s], dyads[4, s], dyads[5, s])
+        scalars = stresslet_scalars(parts[0], parts[1], parts[2], xi)
+        by = stresslet_of_dyad(scalars, d, dyad)
+        u += by[0]
+        v += by[1]
+        w += by[2]
     return u, v, w
 
 
@@ -166,6 +167,8 @@ _force_pairs, _stresslet_pairs = _pair_loop(_force_block), _pair_loop(_stresslet
 def _force_pairs_handler(frame: int) -> int:
     if is_question(frame):
         return describe(frame)
+    if not fits(frame, _PAIR_ARGUMENTS):
+        return refuse(frame)
     _force_pairs(frame)
     return 0
 
@@ -174,6 +177,8 @@ def _force_pairs_handler(frame: int) -> int:
 def _stresslet_pairs_handler(frame: int) -> int:
     if is_question(frame):
         return describe(frame)
+    if not fits(frame, _PAIR_ARGUMENTS):
+        return refuse(frame)
     _stresslet_pairs(frame)
     return 0
 
@@ -184,15 +189,13 @@ def _node_forces(
 ) -> Any:
     u = v = w = 0.0
     for s in range(weights.size):
-        dx, dy, dz = x - points[0, place, s], y - points[1, place, s], z - points[2, place, s]
-        weight = weights[s]
-        fx, fy, fz = forces[0, place, s], forces[1, place, s], forces[2, place, s]
-        isotropic, scaled = _force_pair(
-            dx * dx + dy * dy + dz * dz, dx * fx + dy * fy + dz * fz, xi
-        )
-        u += weight * (isotropic * fx + scaled * dx)
-        v += weight * (isotropic * fy + scaled * dy)
-        w += weight * (isotropic * fz + scaled * dz)
+        d = (x - points[0, place, s], y - points[1, place, s], z - points[2, place, s])
+        parts = _near_parts(squared(d), xi)
+        force = (forces[0, place, s], forces[1, place, s], forces[2, place, s])
+        by = stokeslet(stokeslet_scalars(parts[0], parts[1], parts[2]), d, force)
+        u += weights[s] * by[0]
+        v += weights[s] * by[1]
+        w += weights[s] * by[2]
     return u, v, w
 
 
@@ -200,6 +203,8 @@ def _node_forces(
 def _node_forces_handler(frame: int) -> int:
     if is_question(frame):
         return describe(frame)
+    if not fits(frame, _NODE_ARGUMENTS):
+        return refuse(frame)
     weights, xi = numbers(frame, 2), numbers(frame, 3)[0]
     targets = numbers(frame, 0).reshape((-1, 3))
     values = numbers(frame, 1).reshape((6, targets.shape[0], weights.size))

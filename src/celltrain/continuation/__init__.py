@@ -1,9 +1,9 @@
 """Following solutions: branches of steady trains, and the boundary of their stability."""
 
 from celltrain.continuation.arclength import (
+    CurveEnding,
     CurveLost,
     CurvePoint,
-    Ending,
     Evaluation,
     NoSolution,
     Steps,
@@ -36,9 +36,9 @@ __all__ = [
     "Branch",
     "BranchPoint",
     "BranchSearch",
+    "CurveEnding",
     "CurveLost",
     "CurvePoint",
-    "Ending",
     "Evaluation",
     "FoundTrain",
     "NoSolution",

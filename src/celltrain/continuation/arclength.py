@@ -33,7 +33,7 @@ class CurveLost(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Ending:
+class CurveEnding:
     """Why there are no more points of a curve."""
 
     kind: Annotated[

@@ -15,8 +15,8 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from celltrain.continuation.arclength import (
+    CurveEnding,
     CurveLost,
-    Ending,
     Evaluation,
     NoSolution,
     Steps,
@@ -73,7 +73,7 @@ class StabilityBoundary(Record):
     title: ClassVar[str] = "boundary of stability in diameter and packing"
 
     points: tuple[BoundaryPoint, ...]
-    ending: Ending
+    ending: CurveEnding
 
     @property
     def base(self) -> Base:
@@ -105,7 +105,7 @@ def stability_boundary(
     **Raises:** `CaseError` for what is not allowed.
     """
     points: list[BoundaryPoint] = []
-    ending = Ending("enough", f"{most_points} points were found")
+    ending = CurveEnding("enough", f"{most_points} points were found")
     followed = follow_boundary(
         start,
         azimuthal_number=azimuthal_number,
@@ -122,9 +122,9 @@ def stability_boundary(
             if len(points) >= most_points:
                 break
     except CurveLost as failure:
-        ending = Ending("lost", str(failure))
+        ending = CurveEnding("lost", str(failure))
     except KeyboardInterrupt:
-        ending = Ending("interrupted", "interrupted")
+        ending = CurveEnding("interrupted", "interrupted")
     return StabilityBoundary(tuple(points), ending)
 
 

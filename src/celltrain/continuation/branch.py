@@ -15,9 +15,9 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from celltrain.continuation.arclength import (
+    CurveEnding,
     CurveLost,
     CurvePoint,
-    Ending,
     Evaluation,
     NoSolution,
     Steps,
@@ -77,7 +77,7 @@ class Branch(Record):
 
     parameter: Annotated[str, Quantity("p", "1", "the parameter that changes")]
     points: tuple[BranchPoint, ...]
-    ending: Ending
+    ending: CurveEnding
 
     @property
     def base(self) -> Base:
@@ -118,7 +118,7 @@ def branch(
     """
     points: list[BranchPoint] = []
     followed = follow_branch(start, parameter, to=to, steps=steps, analyse=analyse)
-    ending = Ending("enough", f"{most_points} points were found")
+    ending = CurveEnding("enough", f"{most_points} points were found")
     try:
         for point in followed:
             points.append(point)
@@ -127,13 +127,13 @@ def branch(
             if len(points) >= most_points:
                 break
         else:
-            ending = Ending("reached", f"{parameter} = {to:g} is reached")
+            ending = CurveEnding("reached", f"{parameter} = {to:g} is reached")
             if points[-1].value != to:
-                ending = Ending("turned back", "the branch turned back to its first value")
+                ending = CurveEnding("turned back", "the branch turned back to its first value")
     except CurveLost as failure:
-        ending = Ending("lost", str(failure))
+        ending = CurveEnding("lost", str(failure))
     except KeyboardInterrupt:
-        ending = Ending("interrupted", "interrupted")
+        ending = CurveEnding("interrupted", "interrupted")
     return Branch(parameter, tuple(points), ending)
 
 

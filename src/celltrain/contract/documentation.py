@@ -74,9 +74,17 @@ def _table(kind: type) -> Iterator[str]:
         yield "| quantity | symbol | unit | dimensions | what it is |"
         yield "|---|---|---|---|---|"
     for name, meaning in known.items():
-        symbol = f"${meaning.symbol}$".replace("|", r"\vert{}") if meaning.symbol else ""
+        symbol = _symbol(meaning)
         dims = ", ".join(meaning.dims or _dims(kind, name))
         yield f"| `{name}` | {symbol} | {meaning.unit} | {dims} | {_what(meaning)} |"
+        for part, each in meaning.parts.items():
+            symbol = _symbol(each)
+            dims = ", ".join(each.dims)
+            yield f'| `{name}["{part}"]` | {symbol} | {each.unit} | {dims} | {_what(each)} |'
+
+
+def _symbol(meaning: Quantity) -> str:
+    return f"${meaning.symbol}$".replace("|", r"\vert{}") if meaning.symbol else ""
 
 
 def _what(meaning: Quantity) -> str:

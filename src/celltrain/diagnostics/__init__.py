@@ -13,7 +13,7 @@ from celltrain.diagnostics.haematocrit import (
 )
 from celltrain.diagnostics.mechanisms import Mechanisms, mechanisms
 from celltrain.diagnostics.modes import ModeMotion, mode_motion
-from celltrain.diagnostics.quantities import ENERGY_PARTS, FRAME_QUANTITIES, FrameQuantity
+from celltrain.diagnostics.quantities import ENERGY_PARTS, FRAME_QUANTITIES
 from celltrain.diagnostics.spectrum import deformation_spectrum, disturbance_amplitude
 from celltrain.diagnostics.streamlines import (
     MeridionalFlow,
@@ -37,7 +37,6 @@ __all__ = [
     "CellMoments",
     "CellMotion",
     "Ellipsoid",
-    "FrameQuantity",
     "Mechanisms",
     "MeridionalFlow",
     "ModeMotion",

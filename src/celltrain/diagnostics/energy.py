@@ -5,7 +5,8 @@
 of Bryngelson & Freund (2018): the terms with the moduli Es, Ed and Eb. The sum is
 `Membrane.energy`, the energy whose gradient is the force, with the membrane's own bending energy,
 by default Eb/2 tr((kappa - kappa_ref)^2) for each area at rest. Eq. (23) writes that term with
-differences of the principal curvatures.
+differences of the principal curvatures. Bending moments have no energy: the paper's Eq. (2), taken
+as its solver takes it, and Eq. (23) do not belong together.
 """
 
 import equinox as eqx
@@ -18,6 +19,7 @@ from celltrain.diagnostics.quantities import ENERGY_PARTS
 from celltrain.diagnostics.spectrum import disturbance_amplitude
 from celltrain.harmonics import Shapes
 from celltrain.harmonics.jax_shapes import JaxShape
+from celltrain.laws import MomentBending
 from celltrain.membrane import with_moduli
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError
@@ -32,10 +34,25 @@ def energy_parts(membrane: Membrane, shape: JaxShape) -> Float[Array, " part"]:
     """Energy of one cell by `ENERGY_PARTS`: shear, dilatation, bending; in mu U r0^2.
 
     The energy is linear in the moduli, so each part is the energy with the other moduli zero. A law
-    without a dilatation modulus has no energy of dilatation.
+    without a dilatation modulus has no energy of dilatation. That of bending moments is not a
+    number.
     """
-    parts = [_with_only(membrane, modulus).energy(shape) for modulus in ENERGY_PARTS.values()]
+    parts = [
+        jnp.asarray(jnp.nan)
+        if part == "bending" and isinstance(membrane.bending, MomentBending)
+        else _part(membrane, modulus, shape)
+        for part, modulus in ENERGY_PARTS.items()
+    ]
     return jnp.stack(parts)
+
+
+def _part(
+    membrane: Membrane, modulus: str, shape: Float[Array, "3 coefficient"]
+) -> Float[Array, ""]:
+    alone = _with_only(membrane, modulus)
+    if isinstance(membrane.bending, MomentBending):
+        return alone.in_plane_energy(shape)
+    return alone.energy(shape)
 
 
 def _with_only(membrane: Membrane, modulus: str) -> Membrane:
@@ -69,8 +86,15 @@ def perturbation_energy(
     - `disturbance`: of every cell, as from `Stability.shape` or `Stability.transient_shape`.
     - `amplitude`: eps in the norm of Eq. (8), in r0.
 
-    **Raises:** `CaseError` for an amplitude that is not positive or a disturbance that is zero.
+    **Raises:** `CaseError` for an amplitude that is not positive, a disturbance that is zero, or
+    cells with bending moments, which have no energy.
     """
+    bending = base.train.cell.bending
+    if bending.endswith("moments"):
+        raise CaseError(
+            f"bending = {bending!r} has no energy: not allowed for strain energies (Eqs. 23, 24);"
+            " allowed there: bending = 'elastic', 'helfrich'"
+        )
     size = disturbance_amplitude(disturbance)
     if not amplitude > 0.0 or not size > 0.0:
         raise CaseError(

@@ -2,11 +2,11 @@
 
 from celltrain.evolution.disturbances import (
     Disturbance,
+    FastestAtFirst,
     FromFile,
     Leading,
-    Mode,
+    NumberedMode,
     RandomDisplacement,
-    Transient,
 )
 from celltrain.evolution.ending import Ending, StepFailed
 from celltrain.evolution.evolve import evolve, resume
@@ -19,19 +19,19 @@ from celltrain.evolution.record.run import Run
 __all__ = [
     "Disturbance",
     "Ending",
+    "FastestAtFirst",
     "ForwardEuler",
     "FromFile",
     "Integrator",
     "Leading",
     "LinearPrediction",
-    "Mode",
+    "NumberedMode",
     "RandomDisplacement",
     "Repulsion",
     "Run",
     "RungeKuttaChebyshev",
     "Status",
     "StepFailed",
-    "Transient",
     "evolve",
     "linear_prediction",
     "resume",

@@ -15,8 +15,7 @@ from celltrain.evolution.checks import check_positive
 from celltrain.evolution.record.run import Run
 from celltrain.harmonics import Shapes, displaced
 from celltrain.parameters import CaseError
-from celltrain.stability import Mode as StabilityMode
-from celltrain.stability import Stability
+from celltrain.stability import Mode, Stability
 from celltrain.steady import Base
 
 
@@ -36,7 +35,7 @@ class Disturbance(abc.ABC):
 
 
 @dataclass(frozen=True)
-class Mode(Disturbance):
+class NumberedMode(Disturbance):
     """A mode of the linear dynamics, counted from 1 by falling growth rate, neutral ones left out.
 
     `phase` (radians) turns a complex mode in time.
@@ -59,7 +58,7 @@ class Mode(Disturbance):
         """That of the mode."""
         return self._mode(start).growth_rate
 
-    def _mode(self, start: Base | Stability) -> StabilityMode:
+    def _mode(self, start: Base | Stability) -> Mode:
         modes = [mode for mode in _analysed(start, "a mode").modes if not mode.neutral]
         if not 1 <= self.number <= len(modes):
             raise CaseError(
@@ -81,15 +80,15 @@ class Leading(Disturbance):
 
     def shapes(self, start: Base | Stability) -> Shapes:
         """Mode number 1."""
-        return Mode(1, self.amplitude, self.phase).shapes(start)
+        return NumberedMode(1, self.amplitude, self.phase).shapes(start)
 
     def growth_rate(self, start: Base | Stability) -> float:
         """The spectral abscissa alpha."""
-        return Mode(1, self.amplitude).growth_rate(start)
+        return NumberedMode(1, self.amplitude).growth_rate(start)
 
 
 @dataclass(frozen=True)
-class Transient(Disturbance):
+class FastestAtFirst(Disturbance):
     """The disturbance that grows fastest at first, v_eta, Eq. (15)."""
 
     amplitude: float

@@ -1,7 +1,9 @@
 """Why a simulation ended."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
+
+from celltrain.quantities import Quantity
 
 EndingKind = Literal[
     "running",
@@ -28,8 +30,8 @@ class Ending:
     velocity could not be computed. All but the first can be gone on from, if the reason is gone.
     """
 
-    kind: EndingKind
-    message: str
+    kind: Annotated[EndingKind, Quantity("", "1", "why it ended")]
+    message: Annotated[str, Quantity("", "1", "the same in words")]
 
     @property
     def failed(self) -> bool:

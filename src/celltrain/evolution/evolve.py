@@ -11,8 +11,8 @@ from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.ending import Ending, StepFailed
 from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
-from celltrain.evolution.march import March, Progress
-from celltrain.evolution.methods import Integrator, Manner, RungeKuttaChebyshev, Step, Work
+from celltrain.evolution.march import March, SimulationProgress
+from celltrain.evolution.methods import Manner, Method, RungeKuttaChebyshev, Step, Work
 from celltrain.evolution.record.archive import Archive
 from celltrain.evolution.record.quantities import STEP_QUANTITIES
 from celltrain.evolution.record.run import Run
@@ -35,14 +35,14 @@ def evolve(
     *,
     until: float,
     degree: int | None = None,
-    integrator: Integrator | None = None,
+    integrator: Method | None = None,
     repulsion: Repulsion | None = None,
     every: float = EVERY,
     path: str | Path | None = None,
     overwrite: bool = False,
     save_seconds: float = SAVE_SECONDS,
     most_steps: int | None = None,
-    progress: Progress | None = None,
+    progress: SimulationProgress | None = None,
 ) -> Run:
     """Simulate a steady train with a disturbance, in the frame that moves with the steady train.
 
@@ -138,7 +138,7 @@ def resume(
     until: float | None = None,
     save_seconds: float = SAVE_SECONDS,
     most_steps: int | None = None,
-    progress: Progress | None = None,
+    progress: SimulationProgress | None = None,
 ) -> Run:
     """Go on with the simulation in a file, to the result that it would have had without a stop.
 

@@ -11,7 +11,7 @@ import numpy as np
 from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.ending import Ending, StepFailed
 from celltrain.evolution.linear import LinearPrediction
-from celltrain.evolution.methods import Memory, Step, Work
+from celltrain.evolution.methods import Integrator, Memory, Step, Work
 from celltrain.evolution.record.archive import Archive
 from celltrain.evolution.record.frames import SAME_TIME, due_times, frame_row, shapes_within
 from celltrain.evolution.record.history import Row, columns, rows, step_row
@@ -38,7 +38,7 @@ class Status:
     seconds: float
 
 
-Progress = Callable[[Status], None]
+SimulationProgress = Callable[[Status], None]
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class March:
         *,
         archive: Archive | None,
         save_seconds: float,
-        progress: Progress | None,
+        progress: SimulationProgress | None,
     ) -> None:
         self._run, self._dynamics, self._prediction = run, dynamics, prediction
         self._archive, self._save_seconds, self._progress = archive, save_seconds, progress
@@ -108,7 +108,8 @@ class March:
         return run
 
     def _go(self, most_steps: int | None) -> Ending:
-        until, taken, method = self._run.until, 0, self._run.integrator
+        until, taken = self._run.until, 0
+        method: Integrator[Any] = self._run.integrator
         state, memory, wasted = self._committed.state, self._committed.memory, Work()
         met = self._overlap(state)
         while met is None:

@@ -1,63 +1,82 @@
 """The physical state of a simulation, and what is measured of it."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from celltrain.quantities import Quantity
+
+_SHAPE = ("cell", "axis", "coefficient")
+
 
 @dataclass(frozen=True)
 class Measures:
-    """What is measured of shapes as soon as they are fit to go on from.
+    """What is measured of shapes as soon as they are fit to go on from."""
 
-    Attributes:
-        eps: size of the disturbance, Eq. (8), r0.
-        eps_x: root of the sum over the cells of the mean square displacement of the membrane over
-            solid angle, r0.
-        energy: elastic energy of all membranes, mu U r0^2.
-        area: area of all membranes, r0^2.
-        volume_correction: largest displacement that the correction of the volumes took, r0.
-        gap: thinnest film within the range of the repulsion, r0; infinite if there is none.
-        film_energy, film_force: energy of the repulsion, mu U r0^2, and the largest force of films
-            on a cell, mu U r0.
-    """
-
-    eps: float
-    eps_x: float
-    energy: float
-    area: float
-    volume_correction: float
-    gap: float
-    film_energy: float
-    film_force: float
+    eps: Annotated[float, Quantity(r"\epsilon", "r0", "size of the disturbance", source="Eq. (8)")]
+    eps_x: Annotated[
+        float,
+        Quantity(
+            r"\epsilon_x",
+            "r0",
+            "root of the sum over cells of the mean square displacement of the membrane",
+        ),
+    ]
+    energy: Annotated[float, Quantity("W", "mu U r0^2", "elastic energy of all membranes")]
+    area: Annotated[float, Quantity("A", "r0^2", "area of all membranes")]
+    volume_correction: Annotated[
+        float,
+        Quantity("", "r0", "largest displacement by the correction of the cells' volumes"),
+    ]
+    gap: Annotated[
+        float,
+        Quantity(
+            "d", "r0", "thinnest film within the range of the repulsion, infinite if there is none"
+        ),
+    ]
+    film_energy: Annotated[
+        float, Quantity("W_r", "mu U r0^2", "energy of the repulsion in all films")
+    ]
+    film_force: Annotated[
+        float,
+        Quantity(
+            "",
+            "mu U r0",
+            "largest force of films on a cell, the sum of its parts without regard to directions",
+        ),
+    ]
 
 
 @dataclass(frozen=True)
 class Settled:
     """Shapes made fit to go on from, and what is measured of them.
 
-    Attributes:
-        shapes: with the volumes of the steady train, every cell's mean point in the train's window,
-            in the frame of the steady train, r0.
-        laps: how many lengths of the train each cell is put back by.
-        measures: of these shapes.
+    They have the volumes of the steady train, in whose frame they are.
     """
 
-    shapes: Float[np.ndarray, "cell 3 coefficient"]
-    laps: Int[np.ndarray, " cell"]
+    shapes: Annotated[
+        Float[np.ndarray, "cell 3 coefficient"],
+        Quantity("s", "r0", "shapes, mean points within the train's length", _SHAPE),
+    ]
+    laps: Annotated[
+        Int[np.ndarray, " cell"],
+        Quantity("", "1", "lengths of the train that each cell is put back by", ("cell",)),
+    ]
     measures: Measures
 
 
 @dataclass(frozen=True)
 class State(Settled):
-    """Where a train is at one time, and how it moves; whatever marches it can go on from there.
+    """Where a train is at one time, and how it moves; whatever marches it can go on from there."""
 
-    Attributes:
-        time: r0/U.
-        rates: rates of change of the shapes in the frame of the steady train, U.
-        wall_gap: smallest distance of a cell from the wall for which the wall was resolved, r0.
-    """
-
-    time: float
-    rates: Float[np.ndarray, "cell 3 coefficient"]
-    wall_gap: float
+    time: Annotated[float, Quantity("t", "r0/U", "time")]
+    rates: Annotated[
+        Float[np.ndarray, "cell 3 coefficient"],
+        Quantity("", "U", "rates of change of the shapes in the frame of the steady train", _SHAPE),
+    ]
+    wall_gap: Annotated[
+        float,
+        Quantity("", "r0", "smallest distance of cells from the wall for which it is resolved"),
+    ]

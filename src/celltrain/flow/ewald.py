@@ -1,8 +1,7 @@
 """Ewald (Hasimoto) splitting of the periodic Stokeslet, and its near kernel.
 
     G(d) = G_near(d) + G_far(d),   d = x - y,
-    G_near = A I + C d d,   A = E - h,   C = (E + h)/r^2,
-    E = erfc(xi r)/r,   h = 2 xi/sqrt(pi) exp(-xi^2 r^2),
+    G_near = A I + C d d   (`compiled.kernels`),
     G_far  = (8 pi/V) sum_{k != 0} (1 + k^2/4 xi^2) exp(-k^2/4 xi^2) (k^2 I - k k)/k^4 exp(i k.d).
 
 Their sum does not depend on xi (Hasimoto 1959). The box is periodic over the train's period in z
@@ -19,6 +18,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from celltrain.compiled.kernels import stokeslet_scalars, stokeslet_slopes, stresslet_scalars
 from celltrain.compiled.scaled_erfc import SCALED_ERFC, SCALED_ERFC_MIDDLE
 
 
@@ -64,8 +64,7 @@ def near_scalars(
     square: Float[Array, "..."], parameter: float
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
     """A and C of the near kernel A I + C d d, from r^2."""
-    screened, gauss, inverse_square = _near_parts(square, parameter)
-    return screened - gauss, (screened + gauss) * inverse_square
+    return stokeslet_scalars(*_near_parts(square, parameter))
 
 
 @near_scalars.defjvp
@@ -78,30 +77,16 @@ def _near_scalars_jvp(parameter, primals, tangents):  # type: ignore[no-untyped-
 def near_slopes(
     square: Float[Array, "..."], parameter: float
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
-    """A'/r and C'/r of the near kernel, from r^2.
-
-    A'/r = -(E + h)/r^2 + 2 xi^2 h,   C'/r = -3 (E + h)/r^4 - 2 xi^2 h/r^2.
-    """
-    screened, gauss, inverse_square = _near_parts(square, parameter)
-    core = (screened + gauss) * inverse_square
-    tail = 2.0 * parameter**2 * gauss
-    return tail - core, -(3.0 * core + tail) * inverse_square
+    """A'/r and C'/r of the near kernel, from r^2."""
+    parts = _near_parts(square, parameter)
+    return stokeslet_slopes(stokeslet_scalars(*parts), stresslet_scalars(*parts, parameter))
 
 
 def near_stress_scalars(
     square: Float[Array, "..."], parameter: float
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
-    """a and b of the near stress kernel, from r^2.
-
-    T_near(d)_ijk = a (delta_ij d_k + delta_jk d_i + delta_ik d_j) + b d_i d_j d_k,
-    a = A'/r + C = 4 xi^3/sqrt(pi) exp(-xi^2 r^2),   b = 2 C'/r.
-
-    With xi -> 0, a -> 0 and b -> -6/r^5: the free stresslet of d = x - y.
-    """
-    screened, gauss, inverse_square = _near_parts(square, parameter)
-    linear = 2.0 * parameter**2 * gauss
-    core = (screened + gauss) * inverse_square
-    return linear, -2.0 * (3.0 * core + linear) * inverse_square
+    """a and b of the near stress kernel, from r^2."""
+    return stresslet_scalars(*_near_parts(square, parameter), parameter)
 
 
 def far_velocity_modes(

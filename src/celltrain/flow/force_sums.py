@@ -6,7 +6,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from celltrain.compiled import NODE_FORCES
+from celltrain.compiled import NODE_FORCES, compiled_or_plain, loop
+from celltrain.compiled.kernels import squared, stokeslet
 from celltrain.flow.ewald import near_scalars
 
 
@@ -17,10 +18,15 @@ def force_sums(
     nodes: Float[Array, "6 *target radial azimuthal"],
     weights: Float[Array, "radial azimuthal"],
 ) -> Float[Array, "*target 3"]:
-    """sum_s w_s G_near(x - y_s) f_s, by a compiled loop; derivatives are those of the formula."""
-    shape = jax.ShapeDtypeStruct(targets.shape, float)
-    call = jax.ffi.ffi_call(NODE_FORCES, shape, vmap_method="sequential")
-    return call(targets, nodes, weights, jnp.asarray(parameter))
+    """sum_s w_s G_near(x - y_s) f_s, by a compiled loop where there is one.
+
+    Derivatives are those of the formula.
+    """
+
+    def compiled(targets: Array, nodes: Array, weights: Array) -> Array:
+        return loop(NODE_FORCES, targets.shape, targets, nodes, weights, jnp.asarray(parameter))
+
+    return compiled_or_plain(compiled, partial(_formula, parameter), targets, nodes, weights)
 
 
 @force_sums.defjvp
@@ -38,7 +44,5 @@ def _formula(
     """What `force_sums` computes."""
     d = [targets[..., i, None, None] - nodes[i] for i in range(3)]
     force = nodes[3:] * weights
-    isotropic, dyadic = near_scalars(d[0] ** 2 + d[1] ** 2 + d[2] ** 2, parameter)
-    along = dyadic * (d[0] * force[0] + d[1] * force[1] + d[2] * force[2])
-    parts = [jnp.sum(isotropic * force[i] + d[i] * along, axis=(-2, -1)) for i in range(3)]
-    return jnp.stack(parts, axis=-1)
+    parts = stokeslet(near_scalars(squared(d), parameter), d, force)
+    return jnp.stack([jnp.sum(part, axis=(-2, -1)) for part in parts], axis=-1)

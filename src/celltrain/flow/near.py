@@ -4,9 +4,9 @@ Targets come in chunks, sources in blocks of a cell's points. The sum runs over 
 chunk and an axial image of a block whose bounding boxes are within the kernel's range, so the cost
 follows the number of near pairs and no array holds more than one chunk times one block.
 
-The sums themselves are compiled loops (`compiled.near_loops`); the formulas here are what they
-compute, and give their derivatives. That of the force's sum is in closed form: with D_k G the
-derivative of the kernel,
+The sums themselves are compiled loops where these serve (`compiled.near_loops`). The formulas here
+are what they compute; they take their place elsewhere, and give their derivatives. That of the
+force's sum is in closed form: with D_k G the derivative of the kernel,
 
     d sum_s G(x - y_s) f_s = sum_s G df_s - sum_s (D_k G f_s) (dy_sk - dx_k),
 
@@ -21,9 +21,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from celltrain.compiled import FORCE_PAIRS, STRESSLET_PAIRS
+from celltrain.compiled import FORCE_PAIRS, STRESSLET_PAIRS, compiled_or_plain, loop
+from celltrain.compiled.kernels import UNFOLD, squared, stokeslet_gradient, stokeslet_matrix
 from celltrain.flow.ewald import near_scalars, near_slopes, near_stress_scalars
-from celltrain.flow.sources import UNFOLD, Sources
+from celltrain.flow.sources import Sources
 
 CHUNK = 32
 
@@ -32,7 +33,7 @@ def _differences(
     targets: Float[Array, "target 3"], sources: Float[Array, "source 3"]
 ) -> tuple[list[Array], Array]:
     parts = [targets[:, None, i] - sources[None, :, i] for i in range(3)]
-    return parts, parts[0] ** 2 + parts[1] ** 2 + parts[2] ** 2
+    return parts, squared(parts)
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(3,))
@@ -57,29 +58,11 @@ def _block_sum_jvp(parameter, primals, tangents):  # type: ignore[no-untyped-def
     targets, sources, strengths = primals
     d_targets, d_sources, d_strengths = tangents
     d, square = _differences(targets, sources)
-    isotropic, dyadic = near_scalars(square, parameter)
-    isotropic_slope, dyadic_slope = near_slopes(square, parameter)
-    along = d[0] * strengths[:, 0] + d[1] * strengths[:, 1] + d[2] * strengths[:, 2]
-    zero = jnp.zeros_like(square)
-    kernel = jnp.stack(
-        [
-            jnp.stack([dyadic * d[i] * d[j] + (isotropic if i == j else zero) for j in range(3)])
-            for i in range(3)
-        ]
-    )
-    slope = jnp.stack(
-        [
-            jnp.stack(
-                [
-                    isotropic_slope * d[k] * strengths[:, i]
-                    + dyadic_slope * along * d[i] * d[k]
-                    + dyadic * (d[i] * strengths[:, k] + (along if i == k else zero))
-                    for k in range(3)
-                ]
-            )
-            for i in range(3)
-        ]
-    )
+    scalars, slopes = near_scalars(square, parameter), near_slopes(square, parameter)
+    matrix = stokeslet_matrix(scalars, d)
+    kernel = jnp.stack([jnp.stack([matrix[place] for place in row]) for row in UNFOLD])
+    gradient = stokeslet_gradient(scalars, slopes, d, strengths.T)
+    slope = jnp.stack([jnp.stack(gradient[3 * i : 3 * i + 3]) for i in range(3)])
     value = jnp.einsum("ijts,sj->ti", kernel, strengths)
     moved = jnp.einsum("ijts,sj->ti", kernel, d_strengths)
     moved -= jnp.einsum("ikts,sk->ti", slope, d_sources)
@@ -194,19 +177,38 @@ def pair_sums(
     period: Float[Array, ""],
     listed: Listed,
 ) -> Float[Array, "image chunk target 3"]:
-    """Sums over the listed pairs, by compiled loops; derivatives are those of the formulas."""
+    """Sums over the listed pairs, by compiled loops where there are such.
+
+    Derivatives are those of the formulas.
+    """
+    total = jnp.zeros((2 * listed.images + 1, *targets.shape))
+    plain = partial(_pair_sums_formula, parameter)
+    for name, strengths in ((FORCE_PAIRS, (forces, None)), (STRESSLET_PAIRS, (None, stresslets))):
+        if any(each is not None for each in strengths):
+            compiled = partial(_pair_sums_loop, name, parameter)
+            given = (listed, targets, points, *strengths, period)
+            total = total + compiled_or_plain(compiled, plain, *given)
+    return total
+
+
+def _pair_sums_loop(
+    name: str,
+    parameter: float,
+    listed: Listed,
+    targets: Array,
+    points: Array,
+    forces: Array | None,
+    stresslets: Array | None,
+    period: Array,
+) -> Array:
+    """The sums for one kind of sources, by the compiled loop of a name."""
     shape = (2 * listed.images + 1, *targets.shape)
     keep = jnp.zeros(0, dtype=bool) if listed.keep is None else listed.keep
+    strengths = forces if stresslets is None else stresslets
+    assert strengths is not None
+    by_part = (jnp.swapaxes(each, 1, 2) for each in (points, strengths))
     places = (listed.pairs, listed.count, listed.cells, keep, jnp.stack([parameter, period]))
-    total = jnp.zeros(shape)
-    for name, strengths in ((FORCE_PAIRS, forces), (STRESSLET_PAIRS, stresslets)):
-        if strengths is not None:
-            call = jax.ffi.ffi_call(
-                name, jax.ShapeDtypeStruct(shape, float), vmap_method="sequential"
-            )
-            by_part = (jnp.swapaxes(each, 1, 2) for each in (points, strengths))
-            total = total + call(targets, *by_part, *places)
-    return total
+    return loop(name, shape, targets, *by_part, *places)
 
 
 @pair_sums.defjvp

@@ -14,9 +14,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.compiled.kernels import (
+    SYMMETRIC,
+    cross,
+    dot,
+    free_stresslet,
+    squared,
+    stresslet_matrix,
+)
 from celltrain.flow.ewald import near_stress_scalars
 from celltrain.flow.force_sums import force_sums
-from celltrain.flow.sources import SYMMETRIC
 from celltrain.harmonics import degree_of, polar_nodes
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.longitude import shift_longitude, unshift_longitude
@@ -88,29 +95,16 @@ class OwnSurfaceRule(eqx.Module):
             turned = jnp.einsum("kl,acil->icak", rotation, shifted)
             values, down, round_ = self.tables.with_tangents(turned)
             d = [points[..., i, None, None] - values[i] for i in range(3)]
-            normal = [
-                down[1] * round_[2] - down[2] * round_[1],
-                down[2] * round_[0] - down[0] * round_[2],
-                down[0] * round_[1] - down[1] * round_[0],
-            ]
-            square = d[0] ** 2 + d[1] ** 2 + d[2] ** 2
-            through = (d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2]) * self.weights
-            weighted = [each * self.weights for each in normal]
+            weighted = [each * self.weights for each in cross(list(down), list(round_))]
+            square, through = squared(d), dot(d, weighted)
             linear, cubic = near_stress_scalars(square, self.parameter)
             # Signs of T(y - x) = -T(x - y).
-            free = (6.0 / square**2) * (through * jax.lax.rsqrt(square))
+            free = -free_stresslet(square, jax.lax.rsqrt(square)) * through
             # Or XLA computes them anew for each of the six components.
-            linear, cubic, free, d, weighted, through = jax.lax.optimization_barrier(
-                (linear, -cubic * through, free, d, weighted, through)
+            linear, along, free, d, weighted, through = jax.lax.optimization_barrier(
+                (linear, cubic * through, free, d, weighted, through)
             )
-            near = jnp.stack(
-                [
-                    cubic * d[i] * d[j]
-                    - linear * (weighted[i] * d[j] + weighted[j] * d[i])
-                    - (linear * through if i == j else 0.0)
-                    for i, j in SYMMETRIC
-                ]
-            )
+            near = jnp.stack(stresslet_matrix(linear, along, through, d, weighted))
             alone = jnp.stack([free * d[i] * d[j] for i, j in SYMMETRIC])
             scale = 1.0 / (8.0 * math.pi)
             error = -0.5 * jnp.array([float(i == j) for i, j in SYMMETRIC])[:, None, None]

@@ -1,10 +1,7 @@
 """Integrals of the near kernels over a surface in polar coordinates about a point of it.
 
 With d = x - y, w the density of the double layer, N = x_alpha cross x_beta = n dS/(dalpha dbeta),
-and the scalars A, C of `near_scalars` and a, b of `near_stress_scalars`, the integrands are
-
-    force:   [A F + C d (d.F)] sin(alpha)
-    density: -[a (w (d.N) + d (w.N) + N (d.w)) + b d (d.w) (d.N)].
+and the kernels G and T of `compiled.kernels`, the integrands are G F sin(alpha) and -T_ijk w_j N_k.
 
 The derivative is given in closed form: the kernels' matrices at the nodes are summed against the
 harmonics first, to one row of coefficients for each component of velocity and of each density,
@@ -19,13 +16,25 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from celltrain.compiled.kernels import (
+    UNFOLD,
+    Vector,
+    cross,
+    dot,
+    squared,
+    stokeslet_gradient,
+    stokeslet_matrix,
+    stokeslet_slopes,
+    stresslet,
+    stresslet_gradients,
+    stresslet_matrix,
+    stresslet_slopes,
+)
 from celltrain.flow.ewald import near_scalars, near_stress_scalars
 from celltrain.flow.force_sums import force_sums
-from celltrain.flow.sources import SYMMETRIC, UNFOLD
 from celltrain.harmonics.polar import PolarTables
 from celltrain.harmonics.rotation import PoleRotation
 
-Vector = list[Array]
 Channels = Float[Array, "pair 3 coefficient"]
 Rows = Float[Array, "pair 3 3 coefficient"]
 
@@ -54,15 +63,15 @@ class _Nodes(eqx.Module):
     """What the integrands are made of, at the nodes of each pair."""
 
     places: Float[Array, "3 pair radial azimuthal"]
-    d: Vector
-    force: Vector | None
-    density: Vector | None
-    down: Vector
-    around: Vector
+    d: list[Array]
+    force: list[Array] | None
+    density: list[Array] | None
+    down: list[Array]
+    around: list[Array]
 
     @property
-    def normal(self) -> Vector:
-        return _cross(self.down, self.around)
+    def normal(self) -> list[Array]:
+        return cross(self.down, self.around)
 
 
 @jax.custom_jvp
@@ -91,14 +100,9 @@ def polar_velocity(
             jnp.broadcast_to(rule.weights[:, None], nodes.places.shape[2:]),
         )
     if nodes.density is not None:
-        d, normal = nodes.d, nodes.normal
-        density = [each * rule.areas[:, None] for each in nodes.density]
-        linear, cubic = near_stress_scalars(_dot(d, d), rule.parameter)
-        through, onto = _dot(d, normal), _dot(d, density)
-        along = linear * _dot(density, normal) + cubic * onto * through
-        parts = [
-            -d[i] * along - linear * (density[i] * through + normal[i] * onto) for i in range(3)
-        ]
+        d, density = nodes.d, [each * rule.areas[:, None] for each in nodes.density]
+        scalars = near_stress_scalars(squared(d), rule.parameter)
+        parts = stresslet(scalars, d, density, nodes.normal)
         velocity += jnp.stack([jnp.sum(part, axis=(-2, -1)) for part in parts], axis=-1)
     return velocity
 
@@ -143,8 +147,8 @@ def _at_nodes(
     _, forces, densities = channels
     given = jnp.concatenate([each for each in channels if each is not None], axis=1)
     turned = jnp.moveaxis(rule.rotation.to_pole(given, poles[:, 0], poles[:, 1]), 0, 1)
-    down: Vector = []
-    around: Vector = []
+    down: list[Array] = []
+    around: list[Array] = []
     if tangents or densities is not None:
         y, *slopes = rule.with_tangents(turned[:3])
         down, around = (list(slope) for slope in slopes)
@@ -171,7 +175,7 @@ def _derivative_rows(
     """Derivatives of the velocity by the point, and by the coefficients of each channel given."""
     nodes = _at_nodes(rule, poles, points, channels)
     tables, pairs = rule.tables, points.shape[0]
-    slopes: Vector = [jnp.zeros(())] * 9
+    slopes: list[Array] = [jnp.zeros(())] * 9
     by_normal, by_force, by_density = jnp.zeros(()), None, None
     if nodes.force is not None:
         slopes = _force_slopes(rule, nodes.d, nodes.force)
@@ -198,70 +202,36 @@ def _brought_back(
     return rule.rotation.from_pole(jnp.moveaxis(moments, 0, 1), poles[:, 0], poles[:, 1])
 
 
-def _force_kernel(rule: PolarRule, d: Vector) -> Vector:
-    """Components of A I + C d d, times the weights."""
-    isotropic, dyadic = _weighted(rule.weights, near_scalars(_dot(d, d), rule.parameter))
-    return [dyadic * d[i] * d[j] + (isotropic if i == j else 0.0) for i, j in SYMMETRIC]
+def _force_kernel(rule: PolarRule, d: Vector) -> list[Array]:
+    """Components of G, times the weights."""
+    scalars = near_scalars(squared(d), rule.parameter)
+    return stokeslet_matrix(_weighted(rule.weights, scalars), d)
 
 
-def _density_kernel(rule: PolarRule, d: Vector, normal: Vector) -> Vector:
-    """Components of -[a (I (d.N) + d N + N d) + b d d (d.N)], times the weights."""
-    linear, cubic = _weighted(rule.areas, near_stress_scalars(_dot(d, d), rule.parameter))
-    through = _dot(d, normal)
-    cubic = cubic * through
-    return [
-        -linear * (d[i] * normal[j] + normal[i] * d[j])
-        - cubic * d[i] * d[j]
-        - (linear * through if i == j else 0.0)
-        for i, j in SYMMETRIC
-    ]
+def _density_kernel(rule: PolarRule, d: Vector, normal: Vector) -> list[Array]:
+    """Components of -T_ijk N_k, times the weights."""
+    scalars = near_stress_scalars(squared(d), rule.parameter)
+    linear, cubic = _weighted(rule.areas, scalars)
+    through = dot(d, normal)
+    return stresslet_matrix(linear, cubic * through, through, d, normal)
 
 
-def _force_slopes(rule: PolarRule, d: Vector, force: Vector) -> Vector:
+def _force_slopes(rule: PolarRule, d: Vector, force: Vector) -> list[Array]:
     """Derivatives of the force's integrand, by component and then by d, times the weights."""
-    square = _dot(d, d)
-    linear, cubic = _weighted(rule.weights, near_stress_scalars(square, rule.parameter))
-    _, dyadic = _weighted(rule.weights, near_scalars(square, rule.parameter))
-    # A'/r = a - C and C'/r = b/2.
-    isotropic_slope, along = linear - dyadic, _dot(d, force)
-    return [
-        d[k] * (isotropic_slope * force[i] + 0.5 * cubic * along * d[i])
-        + dyadic * (d[i] * force[k] + (along if i == k else 0.0))
-        for i in range(3)
-        for k in range(3)
-    ]
+    square = squared(d)
+    scalars = _weighted(rule.weights, near_scalars(square, rule.parameter))
+    stress = _weighted(rule.weights, near_stress_scalars(square, rule.parameter))
+    return stokeslet_gradient(scalars, stokeslet_slopes(scalars, stress), d, force)
 
 
 def _density_slopes(
     rule: PolarRule, d: Vector, density: Vector, normal: Vector
-) -> tuple[Vector, list[Vector]]:
-    """Derivatives of the density's integrand by d, as above, and by N, [component][of N]."""
-    square = _dot(d, d)
-    linear, cubic = _weighted(rule.areas, near_stress_scalars(square, rule.parameter))
-    # (1/r) d/dr of a and of b.
-    linear_slope = -2.0 * rule.parameter**2 * linear
-    cubic_slope = -(5.0 * cubic + 2.0 * linear_slope) / square
-    through, onto, across = _dot(d, normal), _dot(d, density), _dot(density, normal)
-    by_d, by_normal = [], []
-    for i in range(3):
-        dipole = density[i] * through + d[i] * across + normal[i] * onto
-        radial = linear_slope * dipole + cubic_slope * d[i] * onto * through
-        by_d += [
-            -d[k] * radial
-            - linear * (density[i] * normal[k] + normal[i] * density[k])
-            - cubic * d[i] * (density[k] * through + onto * normal[k])
-            - (linear * across + cubic * onto * through if i == k else 0.0)
-            for k in range(3)
-        ]
-        by_normal.append(
-            [
-                -linear * (density[i] * d[k] + d[i] * density[k])
-                - cubic * onto * d[i] * d[k]
-                - (linear * onto if i == k else 0.0)
-                for k in range(3)
-            ]
-        )
-    return by_d, by_normal
+) -> tuple[list[Array], list[Array]]:
+    """Derivatives of the density's integrand by d, as above, and by N, times the weights."""
+    square = squared(d)
+    scalars = _weighted(rule.areas, near_stress_scalars(square, rule.parameter))
+    slopes = stresslet_slopes(scalars, square, rule.parameter)
+    return stresslet_gradients(scalars, slopes, d, density, normal)
 
 
 def _weighted(
@@ -270,24 +240,17 @@ def _weighted(
     return scalars[0] * weights[:, None], scalars[1] * weights[:, None]
 
 
-def _moments(tables: PolarTables, kernel: Vector) -> Array:
+def _moments(tables: PolarTables, kernel: list[Array]) -> Array:
     """Sums over the nodes times each harmonic, [component, pair, coefficient]."""
     # One by one: stacking them first would cost more than the sums.
     return jnp.stack([tables.moments(each) for each in kernel])
 
 
-def _normal_moments(tables: PolarTables, nodes: _Nodes, by_normal: list[Vector]) -> Array:
+def _normal_moments(tables: PolarTables, nodes: _Nodes, by_normal: list[Array]) -> Array:
     """What acts on N = x_alpha cross x_beta, as acting on x: [9, pair, coefficient]."""
     by_alpha = replace(tables, latitude=tables.latitude_slope)
     by_beta = replace(tables, longitude=tables.longitude_slope)
-    down = [each for row in by_normal for each in _cross(nodes.around, row)]
-    around = [each for row in by_normal for each in _cross(row, nodes.down)]
+    rows = [by_normal[3 * i : 3 * i + 3] for i in range(3)]
+    down = [each for row in rows for each in cross(nodes.around, row)]
+    around = [each for row in rows for each in cross(row, nodes.down)]
     return _moments(by_alpha, down) + _moments(by_beta, around)
-
-
-def _dot(a: Vector, b: Vector) -> Array:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]

@@ -1,14 +1,9 @@
 """What drives the flow: point forces and stresslets on the surfaces of the cells."""
 
 import equinox as eqx
-import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.harmonics.jax_shapes import JaxShapes
-
-# Components of a symmetric matrix that are kept, and where each of the nine is among them.
-SYMMETRIC = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-UNFOLD = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 
 
 class Surface(eqx.Module):

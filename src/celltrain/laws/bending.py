@@ -1,11 +1,11 @@
-"""Bending energies: energy per unit of reference area from the curvature of the surface.
+"""Bending: energy per unit of reference area, or moments, from the curvature of the surface.
 
 Curvatures are mixed tensors kappa = a^-1 b with b_ij = n . x_ij and n outward, so that a sphere of
 radius R has kappa = -1/R and the mean curvature H = -tr(kappa)/2 = 1/R.
 """
 
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias, runtime_checkable
+from typing import ClassVar, Protocol, TypeAlias, runtime_checkable
 
 from celltrain.laws.arithmetic import Number
 
@@ -14,7 +14,7 @@ Mixed: TypeAlias = tuple[Number, Number, Number, Number]
 
 
 @runtime_checkable
-class BendingLaw(Protocol):
+class BendingEnergy(Protocol):
     """Bending energy of a membrane: a dataclass with the names of `parameters.Cell`.
 
     The energy is proportional to `bending_modulus`, Eb in mu U r0^2.
@@ -44,7 +44,7 @@ class ElasticBending:
     bending_modulus: Number
 
     def energy_density(self, now: Mixed, rest: Mixed, dilatation: Number) -> Number:
-        """See `BendingLaw`."""
+        """See `BendingEnergy`."""
         del dilatation
         k11, k12, k21, k22 = (a - b for a, b in zip(now, rest, strict=True))
         return 0.5 * self.bending_modulus * (k11**2 + 2.0 * (k12 * k21) + k22**2)
@@ -63,12 +63,58 @@ class HelfrichBending:
     spontaneous_curvature: Number
 
     def energy_density(self, now: Mixed, rest: Mixed, dilatation: Number) -> Number:
-        """See `BendingLaw`."""
+        """See `BendingEnergy`."""
         del rest
         k11, _, _, k22 = now
         mean = -(k11 + k22)
         return 0.5 * self.bending_modulus * (mean - self.spontaneous_curvature) ** 2 * dilatation
 
 
-#: The bending energies by their names in a case.
-BENDINGS = {"elastic": ElasticBending, "helfrich": HelfrichBending}
+@dataclass(frozen=True)
+class MomentBending:
+    """Bending moments for each current length, of which the transverse shear acts; no energy.
+
+    M^ab = -Eb (kappa - kappa_ref)^a_c a^cb, Eq. (2) of Bryngelson & Freund (2018) as its published
+    solver has it. The shear Q^b = D_a M^ab balances the moments, and its force D_b (Q^b n), for
+    each current area, does the work
+
+        f . dx dA = M^ab (db_ab - b_a^c x_,c . dx_,b) dA,
+
+    with db_ab the change of the curvature form. The in-plane stress that would balance the moments
+    about the normal is left out: on surfaces of revolution there is none, but elsewhere, also to
+    first order beside them, the membrane then exerts a torque on the fluid.
+    """
+
+    bending_modulus: Number
+    #: Whether the moments about the normal are balanced.
+    BALANCED: ClassVar[bool] = False
+
+    def moments(self, now: Mixed, rest: Mixed) -> Mixed:
+        """Eb (kappa - kappa_ref), in mu U r0: -M as a mixed tensor."""
+        k11, k12, k21, k22 = (
+            self.bending_modulus * (a - b) for a, b in zip(now, rest, strict=True)
+        )
+        return k11, k12, k21, k22
+
+
+@dataclass(frozen=True)
+class BalancedMomentBending(MomentBending):
+    """The same moments with the antisymmetric in-plane stress that balances them: no torque.
+
+    x_,c . dx_,b becomes da_cb/2. That is the work of `ElasticBending` for current areas, with half
+    of what the curvature a^-1 b changes by the metric; so this has no energy either.
+    """
+
+    BALANCED: ClassVar[bool] = True
+
+
+#: What bends a membrane: an energy, or moments without one.
+BendingLaw: TypeAlias = BendingEnergy | MomentBending
+
+#: The ways to bend by their names in a case.
+BENDINGS = {
+    "elastic": ElasticBending,
+    "helfrich": HelfrichBending,
+    "moments": MomentBending,
+    "balanced_moments": BalancedMomentBending,
+}

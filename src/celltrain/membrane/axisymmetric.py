@@ -15,17 +15,24 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.harmonics import Profile, azimuthal_weight, cylindrical_members
-from celltrain.laws.bending import BendingLaw
+from celltrain.laws.bending import BendingLaw, MomentBending
 from celltrain.laws.constitutive import ConstitutiveLaw
 from celltrain.membrane.density import (
     Forms,
     RestGeometry,
     area_density,
     energy_density,
+    in_plane_density,
+    moment_work,
     rest_geometry,
 )
-from celltrain.membrane.forms import PointwiseEnergy, fundamental_forms, in_components
-from celltrain.membrane.jets import variables
+from celltrain.membrane.forms import (
+    PointwiseEnergy,
+    fundamental_forms,
+    in_components,
+    with_turning,
+)
+from celltrain.membrane.jets import Jet, variables
 from celltrain.membrane.meridian import Meridian, meridian
 
 Vector = Float[np.ndarray, " member"]
@@ -47,7 +54,10 @@ class AxisymmetricMembrane:
     rest: RestGeometry
 
     def energy(self, profile: Profile) -> float:
-        """Elastic energy of one cell, in mu U r0^2."""
+        """Elastic energy of one cell, in mu U r0^2.
+
+        **Raises:** `CaseError` for bending moments, which have none.
+        """
         forms = fundamental_forms(self.meridian.components(profile))
         density = energy_density(self.law, self.bending, forms, self.rest)
         return float(2.0 * np.pi * self._rest_weights @ density)
@@ -56,17 +66,37 @@ class AxisymmetricMembrane:
         """Derivatives of the energy density, per reference area, from which all else follows."""
         components = self.meridian.components(profile)
         forms = Forms(*variables(np.array(fundamental_forms(components))))
-        density = energy_density(self.law, self.bending, forms, self.rest)
-        return in_components(density, components)
+        if not isinstance(self.bending, MomentBending):
+            return in_components(
+                energy_density(self.law, self.bending, forms, self.rest), components
+            )
+        in_plane = in_plane_density(self.law, forms, self.rest)
+        work = moment_work(self.bending, forms, self.rest)
+        density = Jet(
+            np.full_like(in_plane.value, np.nan),
+            in_plane.gradient + np.stack([each.value for each in work.forms], axis=-1),
+            in_plane.hessian + np.stack([each.gradient for each in work.forms], axis=1),
+        )
+        pointwise = in_components(density, components)
+        if self.bending.BALANCED:
+            return pointwise
+        # Zero where the surface is one of revolution, but not its derivatives.
+        return with_turning(pointwise, work.turning, components)
 
     def force(self, pointwise: PointwiseEnergy) -> Profile:
-        """-dE/ds, in mu U r0: the force per solid angle, F_z in P_n0 (row 0) and F_rho in P_n1."""
+        """-dE/ds, or that of moments, in mu U r0: the force per solid angle.
+
+        F_z in P_n0 (row 0) and F_rho in P_n1.
+        """
         along = -self._gradient(pointwise, self._rest_weights)
         degree = self.meridian.degree
         return np.stack([along[:degree], np.append(0.0, along[degree : 2 * degree - 1])])
 
     def hessian(self, pointwise: PointwiseEnergy, m: int) -> Matrix:
-        """H_m, second derivatives of the energy in the members of azimuthal number m, in mu U."""
+        """H_m, second derivatives of the energy in the members of azimuthal number m, in mu U.
+
+        In general minus the derivative (by columns) of the force (by rows).
+        """
         return self._hessian(pointwise, self._rest_weights, m)
 
     def volume(self, profile: Profile) -> float:

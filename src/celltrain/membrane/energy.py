@@ -3,13 +3,16 @@
     E = int [ W(I1, I2) + B(kappa, kappa_ref) ] dA_ref,   kappa = a^-1 b,
 
 with W that of a constitutive law and B that of bending (see `laws`), put together in `density`.
+Bending moments have no energy; their force is found from the work that they do.
 
 The force per unit of solid angle has the harmonic coefficients F_c = -dE/ds_c exactly, because the
 harmonics are orthonormal. No surface Jacobian and no third derivative appears, and the net force
-and torque vanish because E is invariant under rigid motions.
+and torque vanish because E, and the metric and curvature that moments work on, are invariant under
+rigid motions.
 """
 
-from typing import TypeVar
+from dataclasses import fields
+from typing import Any, TypeVar
 
 import equinox as eqx
 import jax
@@ -22,16 +25,37 @@ from celltrain.harmonics import Shape, degree_of
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.jax_shapes import JaxShape
 from celltrain.harmonics.tables import HarmonicTables, harmonic_tables
-from celltrain.laws.bending import BENDINGS, BendingLaw
+from celltrain.laws.bending import BENDINGS, BendingLaw, MomentBending
 from celltrain.laws.constitutive import LAWS, ConstitutiveLaw
-from celltrain.membrane.density import RestGeometry, energy_density, invariants, rest_geometry
+from celltrain.membrane.density import (
+    RestGeometry,
+    energy_density,
+    in_plane_density,
+    invariants,
+    moment_work,
+    rest_geometry,
+)
 from celltrain.membrane.geometry import surface_forms, volume
 
-# Their moduli are leaves: other values compile nothing anew, and derivatives by them exist.
-for _kind in (*LAWS.values(), *BENDINGS.values()):
-    jax.tree_util.register_dataclass(_kind)
-
 _Law = TypeVar("_Law", ConstitutiveLaw, BendingLaw)
+
+
+def _register(kind: Any) -> None:
+    """Make a law's moduli leaves: other values compile nothing anew, and have derivatives.
+
+    With the kind as data of the node. JAX takes registered dataclasses with the same fields for the
+    same (0.10.1), and would use what is compiled for one law for another.
+    """
+    names = [field.name for field in fields(kind)]
+    jax.tree_util.register_pytree_node(
+        kind,
+        lambda law: (tuple(getattr(law, name) for name in names), kind),
+        lambda _, moduli: kind(*moduli),
+    )
+
+
+for _kind in (*LAWS.values(), *BENDINGS.values()):
+    _register(_kind)
 
 
 class Membrane(eqx.Module):
@@ -50,10 +74,19 @@ class Membrane(eqx.Module):
     reference_shape: JaxShape
 
     def energy(self, coefficients: JaxShape) -> Float[Array, ""]:
-        """Elastic energy of one cell, in mu U r0^2."""
+        """Elastic energy of one cell, in mu U r0^2.
+
+        **Raises:** `CaseError` for bending moments, which have none.
+        """
         forms = surface_forms(self.tables, coefficients)
         density = energy_density(self.law, self.bending, forms, self.reference)
-        return jnp.sum(density * self.reference.area * self.inverse_sine * self.weights)
+        return jnp.sum(density * self._rest_weights)
+
+    def in_plane_energy(self, coefficients: JaxShape) -> Float[Array, ""]:
+        """Elastic energy of one cell without bending, in mu U r0^2."""
+        forms = surface_forms(self.tables, coefficients)
+        density = in_plane_density(self.law, forms, self.reference)
+        return jnp.sum(density * self._rest_weights)
 
     def invariants(
         self, coefficients: JaxShape
@@ -62,8 +95,26 @@ class Membrane(eqx.Module):
         return invariants(surface_forms(self.tables, coefficients), self.reference)
 
     def force(self, coefficients: JaxShape) -> JaxShape:
-        """Coefficients of the force per solid angle on the fluid, F = -dE/ds, in mu U r0."""
-        return -jax.grad(self.energy)(coefficients)
+        """Coefficients of the force per solid angle on the fluid, F = -dE/ds, in mu U r0.
+
+        With bending moments what they do is in the place of the derivatives of their energy.
+        """
+        if not isinstance(self.bending, MomentBending):
+            return -jax.grad(self.energy)(coefficients)
+        forms, along = jax.vjp(lambda shape: surface_forms(self.tables, shape), coefficients)
+        work = moment_work(self.bending, forms, self.reference)
+        [bent] = along(jax.tree.map(lambda each: each * self._rest_weights, work.forms))
+        if not self.bending.BALANCED:
+            turning = work.turning * self._rest_weights
+            by_theta, by_phi = self.tables.d_theta, self.tables.d_phi
+            bent += (coefficients @ by_theta.T * turning) @ by_phi
+            bent -= (coefficients @ by_phi.T * turning) @ by_theta
+        return -jax.grad(self.in_plane_energy)(coefficients) - bent
+
+    @property
+    def _rest_weights(self) -> Float[Array, " point"]:
+        """Reference area of each point."""
+        return self.reference.area * self.inverse_sine * self.weights
 
     def volume(self, coefficients: JaxShape) -> Float[Array, ""]:
         """Enclosed volume, in r0^3."""

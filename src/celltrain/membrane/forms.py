@@ -21,7 +21,11 @@ _T, _P, _SECOND = 0, 1, (2, 3, 4)
 
 @dataclass(frozen=True)
 class PointwiseEnergy:
-    """First and second derivatives of an energy density in the 15 components, at points."""
+    """First and second derivatives of an energy density in the 15 components, at points.
+
+    Of forces without an energy, the work that they do and its first derivatives: then the Hessian,
+    whose rows belong to the work, is not symmetric.
+    """
 
     gradient: Float[np.ndarray, "point 15"]
     hessian: Float[np.ndarray, "point 15 15"]
@@ -42,16 +46,8 @@ def in_components(density: Jet, components: Components) -> PointwiseEnergy:
     """Derivatives in the 15 components of a density whose derivatives in the six are known."""
     points = components.shape[-1]
     places = components.transpose(2, 0, 1)
-    t, p = places[:, _T], places[:, _P]
-    slopes = np.zeros((points, 6, 5, 3))
-    slopes[:, 0, _T] = 2.0 * t
-    slopes[:, 1, _T], slopes[:, 1, _P] = p, t
-    slopes[:, 2, _P] = 2.0 * p
-    second = places[:, 2:]
-    slopes[:, [3, 4, 5], _SECOND] = np.cross(t, p)[:, None]
-    slopes[:, 3:, _T] = np.cross(p[:, None], second)
-    slopes[:, 3:, _P] = np.cross(second, t[:, None])
-    flat = slopes.reshape(points, 6, 15)
+    t, p, second = places[:, _T], places[:, _P], places[:, 2:]
+    flat = form_slopes(components)
     hessian = flat.transpose(0, 2, 1) @ (density.hessian @ flat)
     blocks = hessian.reshape(points, 5, 3, 5, 3)
     metric, form = density.gradient[:, :3, None, None], density.gradient[:, 3:]
@@ -67,6 +63,32 @@ def in_components(density: Jet, components: Components) -> PointwiseEnergy:
         _add_pair(blocks, place, _T, weight * by_t)
         _add_pair(blocks, place, _P, weight * by_p)
     return PointwiseEnergy(np.einsum("pf,pfc->pc", density.gradient, flat), hessian)
+
+
+def with_turning(
+    pointwise: PointwiseEnergy, turning: Jet, components: Components
+) -> PointwiseEnergy:
+    """With the work h (x_t . dx_p - x_p . dx_t) of a jet h that is zero where it is taken."""
+    turn = np.zeros((components.shape[-1], 5, 3))
+    turn[:, _P], turn[:, _T] = components[_T].T, -components[_P].T
+    slope = np.einsum("pf,pfc->pc", turning.gradient, form_slopes(components))
+    added = turn.reshape(-1, 15, 1) * slope[:, None, :]
+    return PointwiseEnergy(pointwise.gradient, pointwise.hessian + added)
+
+
+def form_slopes(components: Components) -> Float[np.ndarray, "point 6 15"]:
+    """First derivatives of the six numbers in the 15 components."""
+    points = components.shape[-1]
+    places = components.transpose(2, 0, 1)
+    t, p, second = places[:, _T], places[:, _P], places[:, 2:]
+    slopes = np.zeros((points, 6, 5, 3))
+    slopes[:, 0, _T] = 2.0 * t
+    slopes[:, 1, _T], slopes[:, 1, _P] = p, t
+    slopes[:, 2, _P] = 2.0 * p
+    slopes[:, [3, 4, 5], _SECOND] = np.cross(t, p)[:, None]
+    slopes[:, 3:, _T] = np.cross(p[:, None], second)
+    slopes[:, 3:, _P] = np.cross(second, t[:, None])
+    return slopes.reshape(points, 6, 15)
 
 
 def _add_pair(blocks: np.ndarray, first: int, second: int, matrix: np.ndarray) -> None:

@@ -11,12 +11,13 @@ from celltrain.membrane.relaxation import REPULSION_RANGE, relaxation
 from celltrain.meridian.geometry import meridian_points
 from celltrain.paper.curves import side_by_side, sparse_and_dense
 from celltrain.paper.finding import DENSE, SPARSE, Finding, at, finding, in_paper_units, number
+from celltrain.paper.resolutions import PAPER, Resolutions, Style, best, present
 
 #: Reduced volumes of the drawn family; the healthy cell's is 0.6444.
 FAMILY = (0.4, 0.5, 0.6, 0.6444, 0.7, 0.8, 0.9, 1.0)
 HEALTHY = 0.6444
-#: Degrees of the family, as in the paper and for a quick look.
-DEGREE, QUICK_DEGREE = 16, 12
+#: The degree of the family that has converged: points move by 1e-3 r0 from here on.
+DEGREE = 24
 #: Where the paper needs a repulsion while shapes form, and how exactly we read that.
 REPELLED_BELOW, LEEWAY = 0.61, 0.02
 #: The most unstable reduced volume at packing 0.2 by diameter; the largest of a dense train.
@@ -24,9 +25,9 @@ MOST_UNSTABLE, MOST_LEEWAY = {8.0: 0.55, 12.0: 0.52}, 0.03
 LARGEST, LARGEST_LEEWAY = 0.86, 0.03
 
 
-def family(quick: bool) -> xr.Dataset:
+def family(degree: int | None) -> xr.Dataset:
     """Meridians of the family of shapes at rest, in r0, and how close their faces come."""
-    degree = QUICK_DEGREE if quick else DEGREE
+    degree = DEGREE if degree is None else degree
     problem = relaxation(degree)
     shapes = [profile_of(relaxed_shape(degree, v)) for v in FAMILY]
     profiles = np.stack([np.stack(meridian_points(shape, 401)) for shape in shapes])
@@ -46,8 +47,8 @@ def family(quick: bool) -> xr.Dataset:
     )
 
 
-def draw_family(data: xr.Dataset, path: Path) -> Path:
-    """Fig. 17: the shapes at rest, cut along their axes.
+def draw_family(data: Resolutions, path: Path) -> Path:
+    """Fig. 17: the shapes at rest, cut along their axes; dotted at the paper's degree.
 
     Raises:
         OSError: if the picture cannot be written.
@@ -55,19 +56,21 @@ def draw_family(data: xr.Dataset, path: Path) -> Path:
     figure, [axes] = side_by_side(1)
     figure.set_size_inches(8.0, 3.4)
     axes.set_title("")
-    for place, v in enumerate(data.reduced_volume.values):
-        distance, height = data["profile"].sel(reduced_volume=v).values
+    for place, v in enumerate(FAMILY):
         # The axis upright, the cells beside each other.
         column, row = place % 4, place // 4
         x, y = 3.4 * column, -2.9 * row
-        axes.fill(
-            np.concatenate([x + distance, x - distance[::-1]]),
-            np.concatenate([y + height, y + height[::-1]]),
-            facecolor="0.9" if v != HEALTHY else "lightcoral",
-            edgecolor="k",
-            linewidth=1.0,
-        )
-        axes.text(x, y - 1.25, f"v = {v:.2f}", ha="center", va="top", fontsize=9)
+        for name, each in present(data):
+            distance, height = each["profile"].sel(reduced_volume=v).values
+            style: Style = {"ec": "k", "lw": 1.0, "fc": "0.9" if v != HEALTHY else "lightcoral"}
+            if name == PAPER and len(data) > 1:
+                style = {"ec": "C0", "lw": 1.0, "ls": ":", "fc": "none"}
+            axes.fill(
+                np.concatenate([x + distance, x - distance[::-1]]),
+                np.concatenate([y + height, y + height[::-1]]),
+                **style,
+            )
+        axes.text(x, y - 1.25, f"$v$ = {v:.2f}", ha="center", va="top", fontsize=9)
     axes.set_aspect("equal")
     axes.plot([-1.5, -0.5], [1.3, 1.3], "k-", linewidth=2)
     axes.text(-1.0, 1.35, "$r_0$", ha="center", va="bottom", fontsize=9)
@@ -108,7 +111,7 @@ def family_findings(data: xr.Dataset) -> list[Finding]:
     ]
 
 
-def draw_over_volume(data: xr.Dataset, path: Path) -> Path:
+def draw_over_volume(data: Resolutions, path: Path) -> Path:
     """Fig. 19: alpha over the reduced volume for sparse and dense trains, in the paper's unit.
 
     Raises:
@@ -117,7 +120,7 @@ def draw_over_volume(data: xr.Dataset, path: Path) -> Path:
     figure, panels = sparse_and_dense(data, "reduced_volume", HEALTHY)
     for axes in panels:
         axes.set(xlabel="$v$", xlim=(0.38, 1.0))
-    last = _last(at(data["spectral_abscissa"], packing=DENSE))
+    last = _last(at(best(data)["spectral_abscissa"], packing=DENSE))
     if np.isfinite(last):
         panels[1].axvspan(last, 1.0, color="0.9")
     figure.savefig(path)

@@ -1,6 +1,8 @@
 """Curves of a study's numbers, drawn as the paper draws them."""
 
 import itertools
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -8,6 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from celltrain.paper.finding import DENSE, SPARSE, at, in_paper_units
+from celltrain.paper.resolutions import LABELS as RESOLUTION
+from celltrain.paper.resolutions import PAPER, Resolutions, Style, present
 from celltrain.pictures.study import LABELS
 
 #: Width and height of one pair of axes, inches.
@@ -27,49 +31,60 @@ def side_by_side(count: int) -> tuple[Figure, list[Axes]]:
 
 def draw_curves(
     axes: Axes,
-    values: xr.DataArray,
+    data: Resolutions,
+    curve: Callable[[xr.Dataset], xr.DataArray],
     along: str,
-    errors: xr.DataArray | None = None,
+    errors: Callable[[xr.Dataset], xr.DataArray] | None = None,
     *,
     legend: bool = True,
 ) -> None:
-    """A curve over the axis `along` for each place on the other axes, with error bars.
+    """A curve over the axis `along` for each place on the other axes, at each resolution.
 
-    Cases without a number leave gaps.
+    Lines, with the error where it is known, for what is converged; open symbols for the paper's
+    degree. Cases without a number leave gaps.
+
+    **Arguments:** `curve` and `errors` take what is drawn from the data of one resolution.
     """
-    others = [str(name) for name in values.dims if name != along]
-    places = itertools.product(*(values[name].values for name in others))
-    for marker, place in zip(itertools.cycle(MARKERS), places):
-        chosen = dict(zip(others, place, strict=True))
-        curve = values.sel(chosen)
-        bars = None if errors is None else np.nan_to_num(errors.sel(chosen).values)
-        words = (f"{LABELS.get(name, name)} = {value:g}" for name, value in chosen.items())
-        axes.errorbar(
-            curve[along].values,
-            curve.values,
-            bars,
-            fmt=f"{marker}-",
-            markersize=3.5,
-            capsize=2,
-            linewidth=1.0,
-            label=", ".join(words) or None,
-        )
-    if others and legend:
-        axes.legend(fontsize=8, frameon=False)
+    for name, each in present(data):
+        values = curve(each)
+        bars = None if errors is None else errors(each)
+        others = [str(other) for other in values.dims if other != along]
+        places = list(itertools.product(*(values[other].values for other in others)))
+        for number, (marker, place) in enumerate(zip(itertools.cycle(MARKERS), places)):
+            chosen = dict(zip(others, place, strict=True))
+            at = values.sel(chosen)
+            words = ", ".join(
+                f"{LABELS.get(key, key)} = {value:g}" for key, value in chosen.items()
+            )
+            color = f"C{number}"
+            style: Style = {"color": color, "capsize": 2, "linewidth": 1.2, "label": words or None}
+            if name == PAPER:
+                style |= {"fmt": marker, "mfc": "none", "ms": 5, "elinewidth": 0.6}
+                style["label"] = f"{words}, {RESOLUTION[name]}".lstrip(", ")
+            known = None if bars is None else np.nan_to_num(bars.sel(chosen).values)
+            axes.errorbar(at[along].values, at.values, known, **style)
+        if others and legend:
+            axes.legend(fontsize=6.5, frameon=False)
 
 
-def sparse_and_dense(data: xr.Dataset, along: str, usual: float) -> tuple[Figure, list[Axes]]:
+def sparse_and_dense(data: Resolutions, along: str, usual: float) -> tuple[Figure, list[Axes]]:
     """alpha over the axis `along` for sparse and for dense trains, in the paper's unit.
 
     **Arguments:** `usual`: the place on that axis of the paper's other figures, which is marked.
     """
     figure, panels = side_by_side(2)
     for axes, packing in zip(panels, (SPARSE, DENSE), strict=True):
-        alpha, error = (
-            in_paper_units(at(data[name], packing=packing))
-            for name in ("spectral_abscissa", "error_estimate")
+
+        def rate(each: xr.Dataset, name: str, packing: float = packing) -> xr.DataArray:
+            return in_paper_units(at(each[name], packing=packing))
+
+        draw_curves(
+            axes,
+            data,
+            partial(rate, name="spectral_abscissa"),
+            along,
+            partial(rate, name="error_estimate"),
         )
-        draw_curves(axes, alpha, along, error)
         axes.axvline(usual, color="0.5", linestyle="--", linewidth=0.8)
         axes.set_ylabel(r"$\alpha\, r_0/U^*$")
         axes.set_title(f"{axes.get_title()}  $\\phi$ = {packing:g}", fontsize=10)

@@ -9,6 +9,16 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from celltrain.paper import (
+    base_flows,
+    disturbed,
+    eigenvalues,
+    initial,
+    interactions,
+    spectra,
+    strain,
+    streams,
+)
 from celltrain.paper.cell_volume import (
     draw_family,
     draw_over_volume,
@@ -18,6 +28,8 @@ from celltrain.paper.cell_volume import (
 )
 from celltrain.paper.finding import Finding, in_paper_units
 from celltrain.paper.flow_strength import draw_over_flow, flow_findings
+from celltrain.paper.resolutions import LABELS as RESOLUTION_LABELS
+from celltrain.paper.resolutions import Resolutions, present
 from celltrain.paper.statements import CONTOURS, growth_findings, transient_findings
 from celltrain.paper.viscosity_ratio import (
     draw_over_packing,
@@ -34,17 +46,15 @@ from celltrain.study import Study, make_study
 class PaperFigure:
     """One figure: the name of its study, its picture, and the paper's statements about it.
 
-    `compute` makes the data of a figure that is no study, from whether it should be quick.
+    `compute` makes the data of a figure that is no study, at a degree, or converged without one.
+    `needs` names what is no part of it: simulations that take hours.
     """
 
     study: str
-    draw: Callable[[xr.Dataset, Path], Path]
+    draw: Callable[[Resolutions, Path], Path]
     findings: Callable[[xr.Dataset], list[Finding]]
-    compute: Callable[[bool], xr.Dataset] | None = None
-
-
-#: The degree at which the paper computed.
-PAPER_DEGREE = 12
+    compute: Callable[[int | None], xr.Dataset] | None = None
+    needs: str = ""
 
 
 def paper_study(figure: PaperFigure, *, quick: bool, degree: int | None = None) -> Study:
@@ -60,18 +70,23 @@ def paper_study(figure: PaperFigure, *, quick: bool, degree: int | None = None) 
     return make_study(content)
 
 
-def draw_growth_map(data: xr.Dataset, path: Path) -> Path:
+def draw_growth_map(data: Resolutions, path: Path) -> Path:
     """Fig. 6(a): log10 of alpha over packing and diameter, in the paper's unit.
 
-    Below 1e-3, also where nothing grows, the map has one colour, as the paper's.
+    Below 1e-3, also where nothing grows, the map has one colour, as the paper's. Dashed: the
+    contours at the paper's degree beside the converged map.
 
     Raises:
         OSError: if the picture cannot be written.
     """
-    alpha = in_paper_units(data["spectral_abscissa"])
-    powers = xr.apply_ufunc(np.log10, alpha.clip(min=1e-4))
+
+    def powers(each: xr.Dataset) -> xr.DataArray:
+        alpha = in_paper_units(each["spectral_abscissa"])
+        logarithms = xr.apply_ufunc(np.log10, alpha.clip(min=1e-4))
+        return alpha.copy(data=logarithms.values)
+
     return _draw(
-        alpha.copy(data=powers.values),
+        {name: powers(each) for name, each in present(data)},
         np.arange(-3.0, -0.49, 0.25),
         (-3.0, -2.5, -2.0, -1.5, -1.0),
         r"$\log_{10}(\alpha\, r_0/U^*)$",
@@ -79,54 +94,91 @@ def draw_growth_map(data: xr.Dataset, path: Path) -> Path:
     )
 
 
-def draw_transient_map(data: xr.Dataset, path: Path) -> Path:
+def draw_transient_map(data: Resolutions, path: Path) -> Path:
     """Fig. 8(a): eta over packing and diameter, in the paper's unit, with the paper's contours.
 
     Raises:
         OSError: if the picture cannot be written.
     """
-    eta = in_paper_units(data["numerical_abscissa"])
+    eta = {name: in_paper_units(each["numerical_abscissa"]) for name, each in present(data)}
     return _draw(eta, np.arange(10.0, 101.0, 6.0), CONTOURS, r"$\eta\, r_0/U^*$", path)
 
 
+#: Color of the contours at the other resolution.
+OTHER = "#D55E00"
+
+
 def _draw(
-    values: xr.DataArray,
+    maps: dict[str, xr.DataArray],
     levels: np.ndarray,
     contours: tuple[float, ...],
     label: str,
     path: Path,
 ) -> Path:
-    values = values.transpose("diameter", "packing")
-    known = np.ma.masked_invalid(values.values)
+    """The first map with its contours, and dashed those of the others."""
     figure = Figure(figsize=(5.6, 4.4), dpi=200, layout="constrained")
     axes = figure.subplots()
-    filled = axes.contourf(
-        values.packing, values.diameter, known, levels=levels, cmap="viridis", extend="both"
-    )
-    lines = axes.contour(
-        values.packing,
-        values.diameter,
-        known,
-        levels=contours,
-        colors="k",
-        linestyles="solid",
-        linewidths=0.9,
-    )
-    axes.clabel(lines, fontsize=8)
-    mark_cases(axes, values)
+    for number, (name, values) in enumerate(maps.items()):
+        values = values.transpose("diameter", "packing")
+        grid = values.packing, values.diameter, np.ma.masked_invalid(values.values)
+        if number == 0:
+            filled = axes.contourf(*grid, levels=levels, cmap="viridis", extend="both")
+        lines = axes.contour(
+            *grid,
+            levels=contours,
+            colors="k" if number == 0 else OTHER,
+            linestyles="solid" if number == 0 else "dashed",
+            linewidths=0.9,
+        )
+        if number == 0:
+            axes.clabel(lines, fontsize=8)
+            mark_cases(axes, values)
+        color, style = ("k", "-") if number == 0 else (OTHER, "--")
+        axes.plot([], [], style, color=color, linewidth=0.9, label=RESOLUTION_LABELS[name])
     figure.colorbar(filled, ax=axes, label=label)
     axes.set(xlabel=r"$\phi$", ylabel=r"$D/r_0$")
+    figure.legend(loc="outside upper left", ncols=2, fontsize=8, frameon=False)
     figure.savefig(path)
     return path
 
 
+SIMULATIONS = "simulations: python validation/run.py "
 #: The figures by their names on the command line. Those of one study share its results.
 FIGURES = {
+    "fig3": PaperFigure("eigenvalues", eigenvalues.draw, eigenvalues.findings, eigenvalues.compute),
+    "fig4": PaperFigure(
+        "initial-small",
+        initial.draw_small,
+        initial.small_findings,
+        initial.small,
+        f"{SIMULATIONS}transients --march",
+    ),
+    "fig5": PaperFigure("base-flows", base_flows.draw, base_flows.findings, base_flows.compute),
     "fig6": PaperFigure("map", draw_growth_map, growth_findings),
+    "fig7": PaperFigure("streamlines", streams.draw, streams.findings, streams.compute),
     "fig8": PaperFigure("map", draw_transient_map, transient_findings),
+    "fig9": PaperFigure(
+        "initial-large",
+        initial.draw_large,
+        initial.large_findings,
+        initial.large,
+        f"{SIMULATIONS}transients --march",
+    ),
+    "fig10": PaperFigure("spectra", spectra.draw, spectra.findings, spectra.compute),
+    "fig11": PaperFigure(
+        "disturbed",
+        disturbed.draw,
+        disturbed.findings,
+        disturbed.compute,
+        f"{SIMULATIONS}breakup --simulate leading random sparse",
+    ),
     "fig13": PaperFigure("viscosity-packing", draw_over_packing, packing_findings),
     "fig14": PaperFigure("viscosity-ratio", draw_over_ratio, ratio_findings),
     "fig16": PaperFigure("flow-strength", draw_over_flow, flow_findings),
     "fig17": PaperFigure("shapes", draw_family, family_findings, family),
     "fig19": PaperFigure("cell-volume", draw_over_volume, volume_findings),
+    "fig20": PaperFigure(
+        "interactions", interactions.draw, interactions.findings, interactions.compute
+    ),
+    "table1": PaperFigure("strain", strain.draw, strain.findings, strain.compute),
 }

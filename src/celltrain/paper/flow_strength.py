@@ -16,6 +16,7 @@ from celltrain.paper.finding import (
     in_paper_units,
     number,
 )
+from celltrain.paper.resolutions import Resolutions
 from celltrain.parameters import paper_units
 
 #: The paper's usual capillary number.
@@ -38,14 +39,14 @@ def in_paper_axes(data: xr.Dataset) -> xr.Dataset:
     ).rename(mean_velocity="Ca")
 
 
-def draw_over_flow(data: xr.Dataset, path: Path) -> Path:
+def draw_over_flow(data: Resolutions, path: Path) -> Path:
     """Fig. 16: alpha over Ca for sparse and dense trains, in the paper's units.
 
     Raises:
         OSError: if the picture cannot be written.
     """
-    data = in_paper_axes(data)
-    figure, panels = sparse_and_dense(data, "Ca", USUAL)
+    converted = {name: in_paper_axes(each) for name, each in data.items()}
+    figure, panels = sparse_and_dense(converted, "Ca", USUAL)
     for axes in panels:
         axes.set(xscale="log", xlabel="Ca", ylim=(0.0, None))
     figure.savefig(path)

@@ -1,5 +1,6 @@
 """Viscosity inside the cells: Figs. 13 and 14, and the paper's statements about them (Sec. V C)."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,7 @@ import xarray as xr
 
 from celltrain.paper.curves import draw_curves, side_by_side
 from celltrain.paper.finding import Finding, at, finding, in_paper_units, number
+from celltrain.paper.resolutions import Resolutions, best
 
 #: What "about a factor of two", "insensitive" and "about four times" may mean.
 HALVED, INSENSITIVE, FOURFOLD = (0.4, 0.6), (0.7, 1.4), (2.0, 8.0)
@@ -19,49 +21,64 @@ SPARSE, DENSE = 0.2, 0.7
 LEAST, ONE, STIFF, MOST = 0.1, 1.0, 20.0, 100.0
 
 
-def draw_over_packing(data: xr.Dataset, path: Path) -> Path:
+def draw_over_packing(data: Resolutions, path: Path) -> Path:
     """Fig. 13: eta and alpha over the packing, in the paper's unit.
 
     Raises:
         OSError: if the picture cannot be written.
     """
     figure, (left, right) = side_by_side(2)
-    draw_curves(left, in_paper_units(data["numerical_abscissa"]), "packing")
+
+    def rate(each: xr.Dataset, name: str) -> xr.DataArray:
+        return in_paper_units(each[name])
+
+    def growing(each: xr.Dataset) -> xr.DataArray:
+        # As in the paper, what grows more slowly than 1e-3 is not drawn.
+        alpha = rate(each, "spectral_abscissa")
+        return alpha.where(alpha > 1e-3)
+
+    draw_curves(left, data, partial(rate, name="numerical_abscissa"), "packing", legend=False)
     left.set(xlabel=r"$\phi$", ylabel=r"$\eta\, r_0/U^*$", ylim=(0.0, None))
-    alpha = in_paper_units(data["spectral_abscissa"])
-    # As in the paper, what grows more slowly than 1e-3 is not drawn.
-    draw_curves(right, alpha.where(alpha > 1e-3), "packing", in_paper_units(data["error_estimate"]))
+    bars = partial(rate, name="error_estimate")
+    draw_curves(right, data, growing, "packing", bars, legend=False)
     right.set(xlabel=r"$\phi$", ylabel=r"$\alpha\, r_0/U^*$", yscale="log", ylim=(1e-3, None))
+    handles, labels = right.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=7, frameon=False)
     figure.savefig(path)
     return path
 
 
-def draw_over_ratio(data: xr.Dataset, path: Path) -> Path:
+def draw_over_ratio(data: Resolutions, path: Path) -> Path:
     """Fig. 14: alpha, tumbling and tank-treading of the leading mode over the viscosity ratio.
 
-    Rates of turning for each unit of the disturbance's amplitude, in the paper's unit of time.
+    Rates of turning for each unit of the disturbance's amplitude, in the paper's unit of time;
+    those of the converged modes, if there are any.
 
     Raises:
         OSError: if the picture cannot be written.
     """
     figure, panels = side_by_side(2)
+    turning = best(data)
     for axes, packing in zip(panels, (SPARSE, DENSE), strict=True):
-        alpha, error, tumbling, treading = (
-            in_paper_units(at(data[name], packing=packing))
-            for name in ("spectral_abscissa", "error_estimate", "tumbling", "tank_treading")
-        )
-        draw_curves(axes, alpha, "viscosity_ratio", error, legend=False)
+
+        def rate(each: xr.Dataset, name: str, packing: float = packing) -> xr.DataArray:
+            return in_paper_units(at(each[name], packing=packing))
+
+        alpha, bars = (partial(rate, name=name) for name in ("spectral_abscissa", "error_estimate"))
+        draw_curves(axes, data, alpha, "viscosity_ratio", bars, legend=False)
         axes.set(xscale="log", xlabel=r"$\lambda$", ylabel=r"$\alpha\, r_0/U^*$")
         axes.set_title(f"{axes.get_title()}  $\\phi$ = {packing:g}", fontsize=10)
         other = axes.twinx()
-        for rate, style, label in (
-            (tumbling, "--", r"$|\omega|$"),
-            (treading, ":", r"$|\Omega - \omega|$"),
+        for name, style, label in (
+            ("tumbling", "--", r"$|\omega|$"),
+            ("tank_treading", ":", r"$|\Omega - \omega|$"),
         ):
-            for diameter in rate.diameter.values:
-                curve = at(rate, diameter=diameter)
-                words = f"{label}, D = {diameter:g}"
-                other.plot(curve.viscosity_ratio, curve, style, linewidth=1.0, label=words)
+            found = rate(turning, name)
+            for place, diameter in enumerate(found.diameter.values):
+                curve = at(found, diameter=diameter)
+                words = rf"{label}, $D/r_0$ = {diameter:g}"
+                color = f"C{place}"
+                other.plot(curve.viscosity_ratio, curve, style, color=color, lw=1.0, label=words)
         other.set(ylabel=r"$|\omega|$, $|\Omega - \omega|$  ($U^*/r_0^2$)", ylim=(0.0, None))
     # Both panels have the same curves: one legend for them, below.
     curves = [each.get_legend_handles_labels() for each in (axes, other)]
@@ -69,7 +86,12 @@ def draw_over_ratio(data: xr.Dataset, path: Path) -> Path:
         words: line for lines, names in curves for line, words in zip(lines, names, strict=True)
     }
     figure.legend(
-        list(drawn.values()), list(drawn), loc="outside lower center", ncols=3, fontsize=8
+        list(drawn.values()),
+        list(drawn),
+        loc="outside lower center",
+        ncols=4,
+        fontsize=7,
+        frameon=False,
     )
     figure.savefig(path)
     return path

@@ -64,7 +64,9 @@ class Cell(Section):
     )
     bending: Annotated[str, Choice(BENDINGS)] = Field(
         default="elastic",
-        description="bending energy: about the shape at rest, or that of a fluid membrane",
+        description="bending: energy about the shape at rest, energy of a fluid membrane, moments"
+        " about the shape at rest as the paper's solver has them (no energy), or the same moments"
+        " balanced also about the normal",
     )
     spontaneous_curvature: Annotated[Real, CURVATURE, Symbol("c_0")] = Field(
         default=0.0,

@@ -9,7 +9,7 @@ from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.figure import Figure
 
 from celltrain.parameters import CaseError, Train
-from celltrain.pictures.evolution import case_title, check_frames, make_stage
+from celltrain.pictures.evolution import case_title, check_frames, make_scene
 from celltrain.pictures.train import INK
 
 WIDTH = 8.0
@@ -39,7 +39,7 @@ def animate(
     """
     check_frames(times, shapes)
     writer = film_writer(path, frames_per_second)
-    stage = make_stage(train, shapes)
+    stage = make_scene(train, shapes)
     picture = min(WIDTH * stage.ratio, 5.0)
     text = 0.34
     height = picture + text

@@ -15,7 +15,7 @@ from celltrain.harmonics import Shapes, degree_of, displaced_along, mean_points
 from celltrain.parameters import CaseError, Train
 from celltrain.pictures.camera import Camera
 from celltrain.pictures.render import draw_surfaces
-from celltrain.pictures.surface import Surface, surface
+from celltrain.pictures.surface import Mesh, surface
 from celltrain.pictures.train import FEWEST_CELLS, INK
 from celltrain.pictures.tube import draw_tube
 
@@ -116,7 +116,7 @@ def plot_growth(
 
 
 @dataclass(frozen=True)
-class Stage:
+class Scene:
     """The tube, seen from the side, into which cells of any frame are put.
 
     The window is as long as the train, or as several of its periods if it is short; a cell that
@@ -135,7 +135,7 @@ class Stage:
     cells: int
     repeats: int
     start: float
-    mesh: Surface
+    mesh: Mesh
     camera: Camera
 
     @property
@@ -227,14 +227,14 @@ class Stage:
         return flat.min(axis=0) - margin, flat.max(axis=0) + margin
 
 
-def make_stage(train: Train, shapes: Float[np.ndarray, "time cell 3 coefficient"]) -> Stage:
+def make_scene(train: Train, shapes: Float[np.ndarray, "time cell 3 coefficient"]) -> Scene:
     """A stage for all of the given frames, whose window begins half a period before a cell."""
     cells = shapes.shape[1]
     repeats = -(-FEWEST_CELLS // cells)
     length = cells * repeats * train.period
     start = float(mean_points(shapes[0, 0])[2]) - 0.5 * train.period
     latitudes = int(np.clip(1300 / length, 32, 64))
-    return Stage(
+    return Scene(
         train=train,
         cells=cells,
         repeats=repeats,
@@ -266,7 +266,7 @@ def draw_snapshots(
     cannot be written.
     """
     check_frames(times, shapes)
-    stage = make_stage(train, shapes)
+    stage = make_scene(train, shapes)
     # Short, wide tubes go side by side.
     columns = 1 if stage.ratio < WIDE or len(times) == 1 else 2
     width, rows = 10.0, -(-len(times) // columns)

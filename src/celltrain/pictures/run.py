@@ -1,5 +1,6 @@
 """All pictures of a simulation, and its film."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -15,37 +16,34 @@ SNAPSHOTS = 6
 MOST_FILM_FRAMES = 150
 
 
-def plot_run(run: Run, directory: str | Path) -> list[Path]:
-    """Draw every picture of a simulation into a folder, made if need be; returns the files.
+def run_pictures(run: Run) -> dict[str, Callable[[Path], Path]]:
+    """How every picture of a simulation is drawn, by its name.
 
     The growth of the disturbance beside linear theory over time and over its logarithm (Figs. 11
     and 4), the cells at a few times from the beginning to the end (Fig. 12), and what was recorded
     of them. Of a simulation that has only begun, those that it is long enough for.
-
-    **Raises:** `OSError` if the folder or a picture cannot be written.
     """
-    folder = Path(directory)
-    folder.mkdir(parents=True, exist_ok=True)
-    train, paths = run.train, []
+    found: dict[str, Callable[[Path], Path]] = {}
     if len(run.history["time"]) >= 3:
-        growth = run_growth(run)
-        paths += [
-            plot_growth(train, growth, folder / "growth.png"),
-            plot_growth(train, growth, folder / "growth_log_time.png", logarithmic_time=True),
-        ]
-    chosen = spread(len(run.times), SNAPSHOTS)
-    paths.append(
-        draw_snapshots(
-            train,
-            run.times[chosen],
-            run.shapes[chosen],
-            folder / "snapshots.png",
-            velocities=relative_velocities(run)[chosen],
+        found["growth"] = lambda path: plot_growth(run.train, run_growth(run), path)
+        found["growth_log_time"] = lambda path: plot_growth(
+            run.train, run_growth(run), path, logarithmic_time=True
         )
-    )
+    found["snapshots"] = lambda path: _snapshots(run, path)
     if len(run.times) >= 2:
-        paths.append(draw_record(run, folder / "record.png"))
-    return paths
+        found["record"] = lambda path: draw_record(run, path)
+    return found
+
+
+def _snapshots(run: Run, path: Path) -> Path:
+    chosen = spread(len(run.times), SNAPSHOTS)
+    return draw_snapshots(
+        run.train,
+        run.times[chosen],
+        run.shapes[chosen],
+        path,
+        velocities=relative_velocities(run)[chosen],
+    )
 
 
 def animate_run(run: Run, path: Path, *, progress: FilmProgress | None = None) -> Path:

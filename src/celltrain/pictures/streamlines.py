@@ -1,68 +1,188 @@
 """Streamlines around the cells of a steady train, as seen from the cells (Fig. 7)."""
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import scipy  # loads its parts when they are used
+from jaxtyping import Float
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.path import Path as Outline
 
-from celltrain.diagnostics.streamlines import MeridionalFlow, recirculation
+from celltrain.diagnostics.streamlines import AT_REST, MeridionalFlow, recirculation
 from celltrain.meridian.geometry import meridian_points
 from celltrain.steady import Base
 
-# Levels of the stream function over that at the wall: few where fluid passes, more where it turns.
-PASSING = np.array([0.8, 0.5, 0.25, 0.1, 0.03, 0.01, 0.003])
-TURNING = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 0.95])
-MEMBRANE, INSIDE, TURNING_COLOR = "#B3150F", "#E9B7AE", "#0072B2"
+#: Where lines begin: the stream function over that at the wall where fluid passes, and over its
+#: largest value where it turns back.
+PASSING = (0.8, 0.5, 0.25, 0.1, 0.03, 0.01, 0.003)
+TURNING = (0.05, 0.3, 0.6, 0.9)
+MEMBRANE, INSIDE, TURNING_COLOR, TURNING_SHADE = "#B3150F", "#E9B7AE", "#0072B2", "#CFE3F1"
+# Of a line: largest length over the period, points over which it is drawn, and how near to its
+# beginning it is closed, over the radius of the tube.
+LONGEST, POINTS, CLOSED = 6.0, 400, 0.01
+
+Line = Float[np.ndarray, "2 point"]
+
+
+class Streamlines:
+    """Lines along the velocity of a flow between the membranes, the axis and the wall.
+
+    The velocity is zero on the membrane, which moves as the frame does, and taken as zero inside;
+    lines end where they come to rest or would enter a cell.
+
+    **Arguments:** `flow`: from `meridional_flow`; `outline`: distance from the axis and height of
+    the points of the membrane's meridian, r0.
+    """
+
+    def __init__(self, flow: MeridionalFlow, outline: Float[np.ndarray, "2 point"]) -> None:
+        self._flow = flow
+        self.period = float(flow.axial[-1] - flow.axial[0])
+        self._velocity = scipy.interpolate.RegularGridInterpolator(
+            (flow.axial, flow.radius), flow.velocity, bounds_error=False, fill_value=None
+        )
+        half = outline.T
+        self._cell = Outline(np.concatenate([half, half[::-1] * [-1.0, 1.0]]))
+
+    def through(self, radius: float, axial: float) -> Line:
+        """The line that begins at a place, in the direction of the flow: heights, distances."""
+        whole = LONGEST * self.period
+        start = np.array([axial, radius])
+
+        def direction(_: float, place: np.ndarray) -> np.ndarray:
+            radial, along = self._at(place)
+            speed = np.hypot(radial, along)
+            return np.array([along, radial]) / max(speed, AT_REST)
+
+        def enters(_: float, place: np.ndarray) -> float:
+            return -1.0 if self._inside(place) else 1.0
+
+        def leaves(length: float, place: np.ndarray) -> float:
+            return 1.001 * self.period - abs(place[0] - axial) if length > 0.0 else 1.0
+
+        def closes(length: float, place: np.ndarray) -> float:
+            away = float(np.hypot(*(place - start)))
+            return away - CLOSED * self._flow.radius[-1] if length > 0.2 else 1.0
+
+        events: list[Any] = [enters, leaves, closes]
+        for each in events:
+            each.terminal = True
+        found = scipy.integrate.solve_ivp(
+            direction, (0.0, whole), start, events=events, max_step=0.05, rtol=1e-6, atol=1e-8
+        )
+        every = np.linspace(0, found.y.shape[1] - 1, min(POINTS, found.y.shape[1])).astype(int)
+        return np.asarray(found.y[:, every])
+
+    def passing(self) -> Iterator[Line]:
+        """Lines of the fluid that passes the cells, from the middle between two of them."""
+        flow = self._flow
+        stream = flow.stream_function[-1]
+        inward = float(np.sign(stream[-1]))
+        levels = inward * np.abs(stream[-1]) * np.array(PASSING)
+        # Outside all that turns back the stream function is monotonic.
+        outer = int(np.argmax(-inward * stream)) if np.any(inward * stream < 0.0) else 0
+        end = (
+            flow.axial[-1]
+            if self._at(np.array([flow.axial[-1], flow.radius[-2]]))[1] < 0
+            else (flow.axial[0])
+        )
+        for level in levels:
+            across = np.interp(inward * level, inward * stream[outer:], flow.radius[outer:])
+            yield self.through(float(across), float(end))
+
+    def turning(self) -> Iterator[Line]:
+        """Lines of the fluid that turns back between two cells, if there is any."""
+        flow = self._flow
+        stream = np.where(flow.inside, -np.inf, flow.stream_function)
+        row, column = np.unravel_index(int(np.argmax(stream)), stream.shape)
+        whole = float(np.abs(flow.stream_function[:, -1]).max())
+        largest = stream[row, column]
+        if not largest > AT_REST * whole:
+            return
+        outward = flow.stream_function[row, column:]
+        end = int(np.argmax(outward <= 0.0)) + 1 if np.any(outward <= 0.0) else len(outward)
+        for level in TURNING:
+            across = np.interp(-level * largest, -outward[:end], flow.radius[column:][:end])
+            yield self.through(float(across), float(flow.axial[row]))
+
+    def _at(self, place: np.ndarray) -> tuple[float, float]:
+        """Radial and axial velocity at a height and distance; the flow is periodic."""
+        height = self._flow.axial[0] + np.mod(place[0] - self._flow.axial[0], self.period)
+        radial, along = self._velocity((height, min(abs(place[1]), self._flow.radius[-1])))
+        return float(radial) * (1.0 if place[1] >= 0.0 else -1.0), float(along)
+
+    def _inside(self, place: np.ndarray) -> bool:
+        height = np.mod(place[0] + 0.5 * self.period, self.period) - 0.5 * self.period
+        return bool(self._cell.contains_point((abs(place[1]), height)))
 
 
 def draw_streamlines(base: Base, flow: MeridionalFlow, path: Path) -> Path:
     """Two periods of a train cut along the axis, streamlines in the frame of the cells.
 
-    Blue: streamlines along which fluid turns around the axis between two cells, the outermost
-    being the surface psi = 0 that separates it from the fluid that passes. Dots: points of rest on
-    the axis.
+    Shaded, with blue lines: fluid that turns back between two cells. Dots: points of rest on the
+    axis.
 
     **Raises:** `OSError` if the picture cannot be written.
     """
     period, radius = base.train.period, base.train.radius
     figure = Figure(figsize=(4.0 * period / radius + 1.5, 4.6), dpi=200, layout="constrained")
     axes = figure.subplots()
-    stream = np.where(flow.inside, np.nan, flow.stream_function)
-    whole = float(np.abs(flow.stream_function[:, -1]).max())
-    largest = float(np.nanmax(stream))
     found = recirculation(base, flow)
-    outline = meridian_points(base.profile)
-    for image in (0, 1):
-        z = flow.axial + image * period
+    streamline_panel(axes, flow, np.stack(meridian_points(base.profile)), found.stagnation_points)
+    axes.set_title(
+        f"packing {base.train.packing:g}\non the axis between cells {found.axis_velocity:+.2g} $U$",
+        loc="left",
+        fontsize=9,
+    )
+    figure.savefig(path)
+    return path
+
+
+def streamline_panel(
+    axes: Axes,
+    flow: MeridionalFlow,
+    outline: Float[np.ndarray, "2 point"],
+    stagnation_points: tuple[float, ...] = (),
+) -> None:
+    """Two periods of a train with the streamlines of a flow, as `draw_streamlines` has them.
+
+    **Arguments:** `stagnation_points`: places of rest on the axis, r0 from the middle between two
+    cells.
+    """
+    lines = Streamlines(flow, outline)
+    period, radius = lines.period, float(flow.radius[-1])
+    stream = np.where(flow.inside, 0.0, flow.stream_function)
+    whole = float(np.abs(flow.stream_function[:, -1]).max())
+    passing, turning = list(lines.passing()), list(lines.turning())
+    across, along = outline
+    for image in (-1, 0, 1):
         for sign in (1.0, -1.0):
-            axes.contour(
-                z,
-                sign * flow.radius,
-                stream.T,
-                levels=np.sort(-PASSING * whole),
-                colors="0.45",
-                linewidths=0.7,
-                linestyles="solid",
-            )
-            if found.strength > 0.0:
-                axes.contour(
-                    z,
+            if turning:
+                axes.contourf(
+                    flow.axial + image * period,
                     sign * flow.radius,
                     stream.T,
-                    levels=TURNING * largest,
-                    colors=TURNING_COLOR,
-                    linewidths=0.9,
-                    linestyles="solid",
+                    levels=[AT_REST * whole, np.inf],
+                    colors=[TURNING_SHADE],
+                    zorder=0.5,
                 )
-            across, along = outline
-            axes.fill(along + image * period, sign * across, color=INSIDE, zorder=2)
-            axes.plot(
-                along + image * period, sign * across, color=MEMBRANE, linewidth=1.6, zorder=3
-            )
-    between = 0.5 * period
+            for each, color in ((passing, "0.45"), (turning, TURNING_COLOR)):
+                for height, distance in each:
+                    axes.plot(
+                        height + image * period,
+                        sign * distance,
+                        color=color,
+                        linewidth=0.8,
+                        zorder=1,
+                    )
+            place = along + image * period
+            axes.fill(place, sign * across, color=INSIDE, zorder=2, linewidth=0)
+            axes.plot(place, sign * across, color=MEMBRANE, linewidth=1.6, zorder=3)
     axes.plot(
-        [between + place for place in found.stagnation_points],
-        [0.0] * len(found.stagnation_points),
+        [0.5 * period + place for place in stagnation_points],
+        [0.0] * len(stagnation_points),
         "o",
         color="0.1",
         markersize=4,
@@ -73,13 +193,6 @@ def draw_streamlines(base: Base, flow: MeridionalFlow, path: Path) -> Path:
     axes.set_xlim(-0.5 * period, 1.5 * period)
     axes.set_ylim(-1.04 * radius, 1.04 * radius)
     axes.set_aspect("equal")
-    axes.set_xlabel("$z$ ($r_0$)")
-    axes.set_ylabel("distance from the axis ($r_0$)")
-    axes.set_title(
-        f"packing {base.train.packing:g}\non the axis between cells {found.axis_velocity:+.2g} $U$",
-        loc="left",
-        fontsize=9,
-    )
+    axes.set_xlabel("$z/r_0$")
+    axes.set_ylabel("$r/r_0$")
     axes.tick_params(direction="in", top=True, right=True)
-    figure.savefig(path)
-    return path

@@ -10,7 +10,7 @@ from celltrain.harmonics import real_harmonics
 
 
 @dataclass(frozen=True)
-class Surface:
+class Mesh:
     """Mesh of the unit sphere, to which any cell of the same degree can be mapped.
 
     Attributes:
@@ -49,7 +49,7 @@ class Surface:
 
 
 @lru_cache(maxsize=8)
-def surface(degree: int, latitudes: int = 56, longitudes: int = 72) -> Surface:
+def surface(degree: int, latitudes: int = 56, longitudes: int = 72) -> Mesh:
     """The mesh for cells of the given harmonic degree, `latitudes * longitudes` faces."""
     theta = np.linspace(0.0, np.pi, latitudes + 1)
     phi = 2 * np.pi * np.arange(longitudes) / longitudes
@@ -66,4 +66,4 @@ def surface(degree: int, latitudes: int = 56, longitudes: int = 72) -> Surface:
         axis=-1,
     )
     values = real_harmonics(degree, np.repeat(theta, longitudes), np.tile(phi, latitudes + 1))
-    return Surface(np.asarray(values), faces, latitudes, longitudes)
+    return Mesh(np.asarray(values), faces, latitudes, longitudes)

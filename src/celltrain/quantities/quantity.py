@@ -1,7 +1,7 @@
 """One quantity: its symbol, unit and meaning."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -20,6 +20,7 @@ class Quantity:
         equation: that which defines it, LaTeX without dollars.
         source: where the equation comes from, such as "Eq. (14)" of the paper.
         bulky: whether only files keep it, and neither JSON nor the report.
+        parts: of what is kept by name, the quantity of each name.
     """
 
     symbol: str
@@ -29,6 +30,7 @@ class Quantity:
     equation: str = ""
     source: str = ""
     bulky: bool = False
+    parts: Mapping[str, "Quantity"] = field(default_factory=dict)
 
     @property
     def attributes(self) -> dict[str, str]:

@@ -4,10 +4,11 @@ A result is a dataclass. Its fields are variables of their names; a dataclass wi
 before those of its fields (`base_cell_velocity`); several of one kind become columns
 (`modes_growth_rate`), and columns within columns follow each other, with a count for each
 (`..._count`). Arrays of one shape are stacked, others follow each other with their shapes
-(`..._shape`). What is keyed by azimuthal numbers has a variable for each (`blocks_m01`), what is
-keyed by names a column of them (`..._key`). Complex numbers are two variables (`..._real`,
-`..._imag`), a case is its TOML, and where there is one of several kinds, or nothing, `..._kind`
-says which. Attributes are those of the field's `Quantity`.
+(`..._shape`). What is keyed by azimuthal numbers, or by names of quantities, has a variable for
+each (`blocks_m01`, `history_eps`), what is keyed by other names a column of them (`..._key`).
+Complex numbers are two variables (`..._real`, `..._imag`), a case is its TOML, and where there is
+one of several kinds, or nothing, `..._kind` says which. Attributes are those of the field's
+`Quantity`.
 """
 
 import dataclasses
@@ -129,8 +130,8 @@ def _write(
                 _write(written, each, chosen, _place(name, kinds, each), inner, meaning)
     elif dataclasses.is_dataclass(hint):
         for inside, (each, about) in hints(hint).items():  # type: ignore[arg-type]
-            column = [getattr(value, inside) for value in values]
-            _write(written, each, column, f"{name}_{inside}", lead, about)
+            inner_values = [getattr(value, inside) for value in values]
+            _write(written, each, inner_values, f"{name}_{inside}", lead, about)
     elif (key := _numbered(hint)) is not None and lead is None:
         written.add(f"{name}_key", (f"{name}_key",), np.array(list(values[0]), np.int64), None)
         for number, value in values[0].items():
@@ -138,6 +139,11 @@ def _write(
                 meaning, description=f"{meaning.description}, azimuthal number m = {number}"
             )
             _write(written, key, [value], f"{name}_m{number:02d}", None, about)
+    elif (pair := _mapping(hint)) is not None and meaning and meaning.parts and lead is None:
+        names = np.array(list(values[0]), dtype=str)
+        written.add(f"{name}_key", (f"{name}_key",), names, None)
+        for part, value in values[0].items():
+            _write(written, pair[1], [value], f"{name}_{part}", None, meaning.parts.get(part))
     elif (pair := _mapping(hint)) is not None:
         counts = [len(each) for each in values]
         inner = _counted(written, counts, name, lead)
@@ -183,6 +189,9 @@ def _read(data: Data, hint: Any, name: str, lead: int | None) -> list[Any]:
     if (key := _numbered(hint)) is not None and lead is None:
         numbers = data[f"{name}_key"].values.tolist()
         return [{m: _read(data, key, f"{name}_m{m:02d}", None)[0] for m in numbers}]
+    if (pair := _mapping(hint)) is not None and f"{name}_count" not in data:
+        keys = data[f"{name}_key"].values.tolist()
+        return [{key: _read(data, pair[1], f"{name}_{key}", None)[0] for key in keys}]
     if (pair := _mapping(hint)) is not None:
         counts = _counts(data, name, lead)
         keys = iter(_read(data, pair[0], f"{name}_key", sum(counts)))

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -13,7 +13,7 @@ from celltrain.quantities.fields import hints, properties
 from celltrain.results.version import version
 
 #: What JSON can hold.
-Plain: TypeAlias = "bool | int | float | str | list[Plain] | dict[str, Plain] | None"
+Plain: TypeAlias = bool | int | float | str | Sequence[object] | Mapping[str, object] | None
 
 
 def summary(result: Record) -> dict[str, Plain]:

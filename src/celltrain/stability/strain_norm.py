@@ -23,7 +23,7 @@ import scipy.linalg
 from jaxtyping import Float
 
 from celltrain.harmonics import Shape, azimuthal_basis, degree_of, profile_of
-from celltrain.laws import ElasticBending
+from celltrain.laws import ElasticBending, MomentBending
 from celltrain.membrane import AxisymmetricMembrane, axisymmetric_membrane, cell_material
 from celltrain.parameters import CaseError, Train
 from celltrain.stability.norms import Grams, Norm, SurfaceNorm
@@ -36,7 +36,14 @@ def second_variation(
 
     In `azimuthal_basis(degree, m)`. Positive semidefinite where the membrane is free of stress, in
     general indefinite.
+
+    **Raises:** `CaseError` for bending moments, which have no energy.
     """
+    if isinstance(membrane.bending, MomentBending):
+        raise CaseError(
+            "a law of moments has no energy: not allowed for its second variation; allowed"
+            " there: bending = 'elastic', 'helfrich'"
+        )
     energy = membrane.second_order(profile_of(shape))
     return {m: membrane.hessian(energy, m) for m in azimuthal_numbers}
 

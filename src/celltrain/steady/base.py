@@ -20,7 +20,7 @@ class Iteration:
     infinite for Newton's method.
     """
 
-    method: Literal["march", "newton"]
+    method: Annotated[Literal["march", "newton"], Quantity("", "1", "march or newton")]
     residual: Annotated[float, Quantity("", "U", "residual before the iteration")]
     step: Annotated[
         float,

@@ -11,22 +11,22 @@ from celltrain.study.definition import (
     make_study,
     read_study,
 )
-from celltrain.study.engine import Progress, WorkersLost, run_study
+from celltrain.study.engine import StudyProgress, WorkersLost, run_study
 from celltrain.study.result import StudyResult
-from celltrain.study.store import Record, Store
+from celltrain.study.store import CaseRecord, Store
 from celltrain.study.workers import Workers, local_workers, scheduled_workers
 
 __all__ = [
     "Axis",
     "Case",
+    "CaseRecord",
     "Computation",
     "Computed",
     "Outcome",
-    "Progress",
-    "Record",
     "StabilityOfCase",
     "Store",
     "Study",
+    "StudyProgress",
     "StudyResult",
     "Workers",
     "WorkersLost",

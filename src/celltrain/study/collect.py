@@ -10,9 +10,9 @@ import xarray as xr
 from celltrain.study.columns import COLUMNS, WORDS, further
 from celltrain.study.definition import Axis, Study
 from celltrain.study.result import StudyResult
-from celltrain.study.store import Record
+from celltrain.study.store import CaseRecord
 
-Records = Mapping[tuple[int, ...], Record]
+Records = Mapping[tuple[int, ...], CaseRecord]
 
 
 def collect(study: Study, records: Records) -> StudyResult:

@@ -18,10 +18,10 @@ import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from celltrain.parameters import CaseError, Train, merge_case, read_case
 from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten
@@ -55,13 +55,17 @@ class Range(Section):
         return tuple(float(f"{value:.12g}") for value in steps)
 
 
+def _as_tuple(given: object) -> object:
+    return tuple(given) if isinstance(given, list) else given
+
+
 class Computed(Section):
     """What is computed of each case, and from where its steady train is sought."""
 
     estimate_error: bool = Field(
         default=True, description="whether each growth rate comes with an estimate of its error"
     )
-    analyses: tuple[str, ...] = Field(
+    analyses: Annotated[tuple[str, ...], BeforeValidator(_as_tuple)] = Field(
         default=(),
         description="further analyses of each case, such as mechanisms or transient, whose numbers"
         " become columns",

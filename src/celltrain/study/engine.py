@@ -17,7 +17,7 @@ from celltrain.parameters import Train
 from celltrain.steady import Base
 from celltrain.study.computation import Computation
 from celltrain.study.definition import Case, Study
-from celltrain.study.store import Record, Store
+from celltrain.study.store import CaseRecord, Store
 
 #: How often a case is tried whose worker dies, before it counts as failed.
 TRIES = 2
@@ -30,19 +30,19 @@ class WorkersLost(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Progress:
+class StudyProgress:
     """Where the run of a study stands; `last` is the case that has just ended, if any."""
 
     finished: int
     failed: int
     running: int
     total: int
-    last: tuple[Case, Record] | None = None
+    last: tuple[Case, CaseRecord] | None = None
 
 
 def compute_case(
     computation: Computation, folder: Path, train: Train, start: Train | None
-) -> Record:
+) -> CaseRecord:
     """Compute a case and keep what comes of it, in a worker; `start` is a finished case."""
     store = Store(folder, computation.settings)
     with _own_locks():
@@ -87,8 +87,8 @@ def run_study(
     slots: Callable[[], int],
     *,
     retry: bool = False,
-    progress: Callable[[Progress], None] | None = None,
-) -> dict[tuple[int, ...], Record]:
+    progress: Callable[[StudyProgress], None] | None = None,
+) -> dict[tuple[int, ...], CaseRecord]:
     """Compute the cases of a study that the folder has no result of.
 
     **Arguments:**
@@ -103,7 +103,7 @@ def run_study(
     **Raises:** `WorkersLost` if the executor gives up; `OSError` if the folder cannot be written.
     """
     store = Store(folder, computation.settings)
-    records: dict[tuple[int, ...], Record] = {}
+    records: dict[tuple[int, ...], CaseRecord] = {}
     pending: list[Case] = []
     for case in study.cases:
         store.tidy(case.train)
@@ -117,14 +117,14 @@ def run_study(
         for case in study.cases
         if case.index in records and records[case.index].status == "finished"
     ]
-    running: dict[Future[Record], Case] = {}
+    running: dict[Future[CaseRecord], Case] = {}
     tries: Counter[tuple[int, ...]] = Counter()
 
-    def tell(last: tuple[Case, Record] | None = None) -> None:
+    def tell(last: tuple[Case, CaseRecord] | None = None) -> None:
         if progress is not None:
             failed = sum(record.status == "failed" for record in records.values())
             ready = len(records) - failed
-            progress(Progress(ready, failed, len(running), len(study.cases), last))
+            progress(StudyProgress(ready, failed, len(running), len(study.cases), last))
 
     tell()
     while pending or running:
@@ -150,7 +150,9 @@ def run_study(
     return records
 
 
-def _settle(store: Store, case: Case, future: "Future[Record]", *, last: bool) -> Record | None:
+def _settle(
+    store: Store, case: Case, future: "Future[CaseRecord]", *, last: bool
+) -> CaseRecord | None:
     """The record of a case that has ended; None if its worker did, and this try is not the last."""
     try:
         return future.result()

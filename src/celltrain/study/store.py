@@ -21,7 +21,7 @@ from celltrain.steady import Base
 from celltrain.study.computation import Outcome
 
 
-class Record(BaseModel):
+class CaseRecord(BaseModel):
     """What is known of a case that was computed, or that failed.
 
     `values` are by the names of their columns, None where there is no number; `reason`
@@ -56,10 +56,10 @@ class Store:
         text = json.dumps(content, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:24]
 
-    def record(self, train: Train) -> Record | None:
+    def record(self, train: Train) -> CaseRecord | None:
         """The record of a case; None if there is none, or none that can be read."""
         try:
-            return Record.model_validate_json(self._path(train, "json").read_bytes())
+            return CaseRecord.model_validate_json(self._path(train, "json").read_bytes())
         except (OSError, ValidationError):
             return None
 
@@ -70,7 +70,7 @@ class Store:
         """
         return read(self._path(train, "nc"), Base)
 
-    def finish(self, train: Train, outcome: Outcome) -> Record:
+    def finish(self, train: Train, outcome: Outcome) -> CaseRecord:
         """Keep what came of a case.
 
         **Raises:** `OSError` if it cannot be written.
@@ -78,7 +78,7 @@ class Store:
         save(outcome.base, self._path(train, "nc"))
         return self._write(train, "finished", "", outcome.base.origin, outcome.values)
 
-    def fail(self, train: Train, reason: str) -> Record:
+    def fail(self, train: Train, reason: str) -> CaseRecord:
         """Keep why a case failed.
 
         **Raises:** `OSError` if it cannot be written.
@@ -100,8 +100,8 @@ class Store:
         reason: str,
         origin: str,
         values: dict[str, float],
-    ) -> Record:
-        record = Record(
+    ) -> CaseRecord:
+        record = CaseRecord(
             address=self.address(train),
             version=version(),
             status=status,

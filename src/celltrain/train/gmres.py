@@ -17,7 +17,7 @@ from jaxtyping import Array, Float, Int
 Operator = Callable[[Array], Array]
 
 
-class Convergence(eqx.Module):
+class Iterations(eqx.Module):
     """Applications of the operator to new directions, and residual relative to |b|."""
 
     iterations: Int[Array, ""]
@@ -37,7 +37,7 @@ class _Arnoldi(eqx.Module):
 
 def gmres(
     operator: Operator, right: Float[Array, "..."], *, tolerance: float, iterations: int
-) -> tuple[Float[Array, "..."], Convergence]:
+) -> tuple[Float[Array, "..."], Iterations]:
     """Solution x of A x = b for an operator near the identity, starting from x = b.
 
     Derivatives (forward) solve the same equation for other right sides.
@@ -45,7 +45,7 @@ def gmres(
     **Arguments:** `tolerance`: of the residual relative to |b|; `iterations`: at most.
     """
 
-    def solve(matvec: Operator, right: Array) -> tuple[Array, Convergence]:
+    def solve(matvec: Operator, right: Array) -> tuple[Array, Iterations]:
         return _solve(matvec, right, tolerance, iterations)
 
     solution, convergence = jax.lax.custom_linear_solve(operator, right, solve, has_aux=True)
@@ -54,7 +54,7 @@ def gmres(
 
 def _solve(
     operator: Operator, right: Array, tolerance: float, iterations: int
-) -> tuple[Array, Convergence]:
+) -> tuple[Array, Iterations]:
     shape, size = right.shape, right.size
     flat = right.ravel()
 
@@ -82,7 +82,7 @@ def _solve(
     amounts = jax.scipy.linalg.solve_triangular(last.triangle, used)
     solution = flat + amounts @ last.basis[:-1]
     residual = jnp.abs(last.right[last.step]) / _safe(scale)
-    return solution.reshape(shape), Convergence(last.step, residual)
+    return solution.reshape(shape), Iterations(last.step, residual)
 
 
 def _extended(applied: Operator, state: _Arnoldi) -> _Arnoldi:

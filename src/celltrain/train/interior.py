@@ -25,9 +25,9 @@ import jax.numpy as jnp
 import jax.scipy.linalg
 from jaxtyping import Array, Float
 
-from celltrain.flow.sources import UNFOLD
+from celltrain.compiled.kernels import UNFOLD
 from celltrain.harmonics.jax_shapes import JaxShapes
-from celltrain.train.gmres import Convergence, gmres
+from celltrain.train.gmres import Iterations, gmres
 
 Motions = JaxShapes
 # From motions without a rigid part to the flow that they give through everything but the near
@@ -84,7 +84,7 @@ class InteriorFlow(eqx.Module):
         *,
         tolerance: float,
         iterations: int,
-    ) -> tuple[Motions, Convergence]:
+    ) -> tuple[Motions, Iterations]:
         """The motion u for the given b.
 
         **Arguments:** `tolerance`: of the residual of the preconditioned equation, which is about

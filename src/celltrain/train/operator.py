@@ -25,7 +25,7 @@ from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.membrane import cell_material, resting_shape
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import Train
-from celltrain.train.gmres import Convergence
+from celltrain.train.gmres import Iterations
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
 from celltrain.train.source_grid import SourceGrid, source_grid
 
@@ -67,7 +67,7 @@ class TrainOperator(eqx.Module):
 
     def solved_rates(
         self, shapes: JaxShapes, added: JaxShapes | None = None
-    ) -> tuple[JaxShapes, Convergence | None]:
+    ) -> tuple[JaxShapes, Iterations | None]:
         """The rates, and how the equation for the flow inside the cells was solved, if there is."""
         free_rates = self.free_rates(shapes, added)
         if self.viscosity_ratio is None:

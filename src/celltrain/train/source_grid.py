@@ -5,8 +5,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.compiled.kernels import SYMMETRIC
 from celltrain.flow import Sources
-from celltrain.flow.sources import SYMMETRIC, Surface
+from celltrain.flow.sources import Surface
 from celltrain.harmonics.grid import SphereGrid, sphere_grid
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.tables import harmonic_tables

@@ -12,12 +12,14 @@ with the strength S and the range a: zero with its first two derivatives at the 
 any force can overcome as the gap closes. Beyond the range it is absent altogether.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float
 
 from celltrain.parameters import CaseError
+from celltrain.quantities import Quantity
 
 # Range, r0: 70 nm.
 RANGE = 0.025
@@ -30,15 +32,15 @@ STRENGTH = 0.1
 class Repulsion:
     """Range and strength of the repulsion between membranes, and between them and the wall.
 
-    Attributes:
-        range: thickness of the films within which it acts, r0; 0: never.
-        strength: energy scale S for each area of the film, mu U.
-
     **Raises:** `CaseError` for numbers that are not allowed.
     """
 
-    range: float = RANGE
-    strength: float = STRENGTH
+    range: Annotated[
+        float, Quantity("a", "r0", "thickness of the films within which it acts, 0: never")
+    ] = RANGE
+    strength: Annotated[float, Quantity("S", "mu U", "energy scale for each area of the film")] = (
+        STRENGTH
+    )
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.range <= LARGEST_RANGE:
@@ -61,10 +63,6 @@ class Repulsion:
         """-dphi/dd = (S/a) (1 - d/a)^2 (1 + 2 d/a)/(d/a)^2, mu U/r0."""
         ratio = self._ratio(gap)
         return self.strength / self.range * (1.0 - ratio) ** 2 * (1.0 + 2.0 * ratio) / ratio**2
-
-    def settings(self) -> dict[str, float]:
-        """The fields by name."""
-        return asdict(self)
 
     def _ratio(self, gap: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
         """d/a, 1 beyond the range; positive gaps only."""

@@ -9,19 +9,17 @@ from celltrain.evolution.methods.runge_kutta_chebyshev import ChebyshevMemory, R
 #: What a method may remember.
 Memory: TypeAlias = ChebyshevMemory | EulerMemory
 
-#: The methods by name.
-METHODS: dict[str, type[RungeKuttaChebyshev] | type[ForwardEuler]] = {
-    method.__name__: method for method in (RungeKuttaChebyshev, ForwardEuler)
-}
+#: What there is to march with.
+Method: TypeAlias = RungeKuttaChebyshev | ForwardEuler
 
 __all__ = [
-    "METHODS",
     "ChebyshevMemory",
     "EulerMemory",
     "ForwardEuler",
     "Integrator",
     "Manner",
     "Memory",
+    "Method",
     "RungeKuttaChebyshev",
     "Step",
     "Work",

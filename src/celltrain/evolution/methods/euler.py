@@ -1,22 +1,23 @@
 """Marching a train by Euler's explicit method."""
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 
 from celltrain.evolution.checks import check_positive
 from celltrain.evolution.dynamics import Dynamics
 from celltrain.evolution.ending import StepFailed
-from celltrain.evolution.methods.integrator import Integrator, Manner, Remembered, Step, Work
+from celltrain.evolution.methods.integrator import Integrator, Manner, Step, Work
 from celltrain.evolution.state import State
+from celltrain.quantities import Quantity
 
 
 @dataclass(frozen=True)
 class EulerMemory:
     """How many steps there were."""
 
-    steps: Annotated[int, Remembered("1", "steps so far")]
+    steps: Annotated[int, Quantity("", "1", "steps so far")]
 
 
 @dataclass(frozen=True)
@@ -27,9 +28,7 @@ class ForwardEuler(Integrator[EulerMemory]):
     the spectral radius, which is about 54 U/r0 at degree 12.
     """
 
-    remembers: ClassVar[type] = EulerMemory
-
-    step: float = 0.014
+    step: Annotated[float, Quantity("h", "r0/U", "size of the steps")] = 0.014
 
     def __post_init__(self) -> None:
         check_positive("step", self.step)

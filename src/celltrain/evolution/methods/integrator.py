@@ -1,47 +1,41 @@
 """How a train is marched in time: one small interface."""
 
 import abc
-from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, Generic, TypeVar
+from dataclasses import dataclass
+from typing import Annotated, Generic, TypeVar
 
 from celltrain.evolution.dynamics import Dynamics
 from celltrain.evolution.state import State
+from celltrain.quantities import Quantity
 
 MemoryT = TypeVar("MemoryT")
 
 
 @dataclass(frozen=True)
-class Remembered:
-    """What files say of one number of a method's memory, beside which it stands."""
-
-    unit: str
-    meaning: str
-    dims: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
 class Manner:
-    """How a step was taken.
+    """How a step was taken."""
 
-    Attributes:
-        size: of the step, r0/U; 0 for the beginning.
-        stages: evaluations of the velocity that the step itself took.
-        error: estimated error of the step, the largest displacement of a membrane, r0.
-        radius: spectral radius assumed, U/r0.
-    """
-
-    size: float
-    stages: int
-    error: float
-    radius: float
+    size: Annotated[float, Quantity("h", "r0/U", "size of the step, 0 for the beginning")]
+    stages: Annotated[
+        int, Quantity("s", "1", "evaluations of the velocity that the step itself took")
+    ]
+    error: Annotated[
+        float,
+        Quantity("", "r0", "estimated error of the step, the largest displacement of a membrane"),
+    ]
+    radius: Annotated[
+        float, Quantity(r"\rho", "U/r0", "spectral radius for which the step is stable")
+    ]
 
 
 @dataclass(frozen=True)
 class Work:
     """What was done: steps that were rejected, and evaluations of the velocity."""
 
-    rejected: int = 0
-    evaluations: int = 0
+    rejected: Annotated[int, Quantity("", "1", "steps rejected since the beginning")] = 0
+    evaluations: Annotated[
+        int, Quantity("", "1", "evaluations of the velocity since the beginning")
+    ] = 0
 
     def __add__(self, other: "Work") -> "Work":
         return Work(self.rejected + other.rejected, self.evaluations + other.evaluations)
@@ -61,10 +55,8 @@ class Integrator(abc.ABC, Generic[MemoryT]):
     """A way to march; an object of its own settings.
 
     All that changes are the state, which is physics, and the memory, which is the method's own: a
-    dataclass, of the class `remembers`, whose fields are `Remembered`.
+    dataclass whose fields say what they are.
     """
-
-    remembers: ClassVar[type]
 
     @abc.abstractmethod
     def begin(self, state: State) -> MemoryT:
@@ -88,7 +80,3 @@ class Integrator(abc.ABC, Generic[MemoryT]):
         **Arguments:** `memory`: the one before the step.
         """
         return None
-
-    def settings(self) -> dict[str, Any]:
-        """The fields by name, from which the integrator can be made again."""
-        return asdict(self)  # type: ignore[call-overload, no-any-return]

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float
@@ -16,10 +16,11 @@ from celltrain.evolution.methods.chebyshev import (
     largest_stable_step,
     stage_count,
 )
-from celltrain.evolution.methods.integrator import Integrator, Manner, Remembered, Step, Work
+from celltrain.evolution.methods.integrator import Integrator, Manner, Step, Work
 from celltrain.evolution.methods.radius import spectral_radius
 from celltrain.evolution.state import State
 from celltrain.parameters import CaseError
+from celltrain.quantities import Quantity
 
 # Steps after which the spectral radius is estimated anew, and the margin put on the estimate,
 # which comes from below.
@@ -50,16 +51,16 @@ class ChebyshevMemory:
     known yet.
     """
 
-    step: Annotated[float, Remembered("r0/U", "size of the next step")]
-    last_step: Annotated[float, Remembered("r0/U", "size of the last step")]
+    step: Annotated[float, Quantity("", "r0/U", "size of the next step")]
+    last_step: Annotated[float, Quantity("", "r0/U", "size of the last step")]
     last_error: Annotated[
-        float, Remembered("1", "estimated error of the last step over what was allowed")
+        float, Quantity("", "1", "estimated error of the last step over what was allowed")
     ]
-    radius: Annotated[float, Remembered("U/r0", "spectral radius, with its margin")]
-    radius_age: Annotated[int, Remembered("1", "steps since it was estimated")]
+    radius: Annotated[float, Quantity("", "U/r0", "spectral radius, with its margin")]
+    radius_age: Annotated[int, Quantity("", "1", "steps since it was estimated")]
     direction: Annotated[
         Float[np.ndarray, "cell 3 coefficient"],
-        Remembered("1", "last direction of the power iteration", ("cell", "axis", "coefficient")),
+        Quantity("", "1", "last direction of the power iteration", ("cell", "axis", "coefficient")),
     ]
 
 
@@ -67,20 +68,17 @@ class ChebyshevMemory:
 class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
     """Second order, explicit, stable for stiff membranes (Sommeijer, Shampine & Verwer 1998).
 
-    Attributes:
-        tolerance: bound on the estimated error of a step, as the largest displacement of a point of
-            a membrane relative to the largest distance of the membranes from the steady train, that
-            taken as 1 r0 at most. So small disturbances are as accurate as large ones. Where the
-            repulsion acts it is no more than a tenth of the thinnest film.
-        largest_step: r0/U.
-        most_stages: the step is shortened to need no more.
+    `tolerance` bounds the estimated error of a step, the largest displacement of a point of a
+    membrane, relative to the largest distance of the membranes from the steady train, that taken as
+    1 r0 at most. So small disturbances are as accurate as large ones. Where the repulsion acts the
+    error is no more than a tenth of the thinnest film.
     """
 
-    remembers: ClassVar[type] = ChebyshevMemory
-
-    tolerance: float = 1e-3
-    largest_step: float = 10.0
-    most_stages: int = 200
+    tolerance: Annotated[float, Quantity("", "1", "bound on the error of a step, relative")] = 1e-3
+    largest_step: Annotated[float, Quantity("", "r0/U", "bound on a step")] = 10.0
+    most_stages: Annotated[
+        int, Quantity("", "1", "bound on a step's evaluations, for which it is shortened")
+    ] = 200
 
     def __post_init__(self) -> None:
         check_positive("tolerance", self.tolerance)

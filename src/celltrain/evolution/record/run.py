@@ -1,65 +1,78 @@
 """What a simulation is, finished or not, and how much of it there is."""
 
-import json
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Annotated, ClassVar
 
 import numpy as np
-import xarray as xr
 from jaxtyping import Float
 
 from celltrain.evolution.ending import Ending
 from celltrain.evolution.films.repulsion import Repulsion
-from celltrain.evolution.methods import METHODS, Integrator, Memory, Work
-from celltrain.evolution.record.quantities import RUN_QUANTITIES, STEP_QUANTITIES
-from celltrain.evolution.state import Measures, State
+from celltrain.evolution.methods import Memory, Method, Work
+from celltrain.evolution.record.quantities import KEPT_OF_FRAMES, STEP_QUANTITIES
+from celltrain.evolution.state import State
 from celltrain.parameters import Train
-from celltrain.results import from_dataset, read_dataset
-from celltrain.results.netcdf import reading
+from celltrain.quantities import Quantity, Record
+from celltrain.results import read
 from celltrain.stability import Stability
 from celltrain.steady import Base
 from celltrain.train import place_cells
 
-#: What the names of quantities of frames begin with in files.
-FRAME_PREFIX = "frame_"
 
-
-@dataclass(frozen=True)
-class Run:
+@dataclass(frozen=True, eq=False)
+class Run(Record):
     """A simulation of a disturbed train, in r0, U and mu, in the frame of the steady train.
 
-    Attributes:
-        start: the steady train, or its stability, from which it started.
-        disturbance: what was done to it, in words.
-        growth_rate: that of the disturbance by the linear theory, U/r0; NaN if not known.
-        integrator: how it is marched.
-        repulsion: what keeps membranes apart in thin films.
-        every, until: time between frames, and last time asked for, r0/U.
-        history: a column for each of `STEP_QUANTITIES`, one entry for each step, the first for the
-            beginning.
-        times: of the frames: the multiples of `every`, and `until`.
-        shapes: of the frames, every cell where it has really gone.
-        frames: other quantities of the frames by name: "laps", "eps", "eps_x", "eps_linear", and
-            those of `celltrain.diagnostics.frame`; velocities are relative to the tube.
-        state: where it goes on from.
-        memory: what the method remembers there.
-        ending: why it ended.
+    `history` holds a column for each of `STEP_QUANTITIES`, one entry for each step, the first for
+    the beginning; `frames` what is kept of the frames besides their `times` and `shapes`, by name:
+    "laps", "eps", "eps_x", "eps_linear", and what `celltrain.diagnostics.frame` measures.
+    Velocities are relative to the tube. It goes on from `state`, and what the method remembers
+    there.
     """
 
+    kind: ClassVar[str] = "simulation"
+    title: ClassVar[str] = "simulation of a disturbed train of cells in a tube"
+
     start: Base | Stability
-    disturbance: str
-    growth_rate: float
-    integrator: Integrator
+    disturbance: Annotated[str, Quantity("", "1", "what was done to the steady train")]
+    growth_rate: Annotated[
+        float,
+        Quantity(
+            r"\alpha",
+            "U/r0",
+            "growth rate of the disturbance by the linear theory, NaN if it is not known",
+        ),
+    ]
+    integrator: Method
     repulsion: Repulsion
-    every: float
-    until: float
-    history: dict[str, np.ndarray]
-    times: Float[np.ndarray, " frame"]
-    shapes: Float[np.ndarray, "frame cell 3 coefficient"]
-    frames: dict[str, np.ndarray]
-    state: State
-    memory: Memory
+    every: Annotated[float, Quantity("", "r0/U", "time between frames")]
+    until: Annotated[float, Quantity("", "r0/U", "last time asked for")]
+    history: Annotated[
+        dict[str, np.ndarray],
+        Quantity("", "1", "a number for each step", parts=STEP_QUANTITIES, bulky=True),
+    ]
+    times: Annotated[
+        Float[np.ndarray, " frame"],
+        Quantity("t", "r0/U", "times of the frames: the multiples of `every`, and `until`"),
+    ]
+    shapes: Annotated[
+        Float[np.ndarray, "frame cell 3 coefficient"],
+        Quantity(
+            "s",
+            "r0",
+            "shapes of all cells in the frames, where they have really gone; coefficients as those"
+            " of the steady train",
+            ("frame", "cell", "axis", "coefficient"),
+            bulky=True,
+        ),
+    ]
+    frames: Annotated[
+        dict[str, np.ndarray],
+        Quantity("", "1", "what is kept of each frame", parts=KEPT_OF_FRAMES, bulky=True),
+    ]
+    state: Annotated[State, Quantity("", "1", "where it goes on from", bulky=True)]
+    memory: Annotated[Memory, Quantity("", "1", "what the method remembers there", bulky=True)]
     ending: Ending
 
     @classmethod
@@ -69,13 +82,7 @@ class Run:
         **Raises:** `OSError` if it cannot be read or lacks what this version needs, `ValueError` if
         it holds no simulation.
         """
-        data = read_dataset(Path(path))
-        analysed = data.attrs["kind"] == Stability.kind
-        start = from_dataset(Stability, data) if analysed else from_dataset(Base, data)
-        if "ending" not in data.attrs:
-            raise ValueError(f"{str(path)!r} is a result of celltrain, but holds no simulation")
-        with reading(data):
-            return _run(start, data)
+        return read(path, cls)
 
     @property
     def steps(self) -> int:
@@ -104,43 +111,3 @@ class Run:
         """Shapes of the frames less those of the steady train, r0."""
         train = self.train
         return self.shapes - place_cells(self.base.coefficients, train, train.cells)
-
-
-def _run(start: Base | Stability, data: xr.Dataset) -> Run:
-    """The simulation in a file's data; `KeyError` if something is missing."""
-    settings = json.loads(data.attrs["integrator"])
-    method = METHODS[settings.pop("name")]
-    state = _values(data, "state_", State) | {
-        "measures": Measures(**_values(data, "state_", Measures))
-    }
-    return Run(
-        start=start,
-        disturbance=data.attrs["disturbance"],
-        growth_rate=float(data.attrs["growth_rate"]),
-        integrator=method(**settings),
-        repulsion=Repulsion(**json.loads(data.attrs["repulsion"])),
-        every=float(data.attrs["every"]),
-        until=float(data.attrs["until"]),
-        history={name: data[f"step_{name}"].values for name in STEP_QUANTITIES},
-        times=data["time"].values,
-        shapes=data["shapes"].values,
-        frames={
-            name.removeprefix(FRAME_PREFIX): data[name].values
-            for name in RUN_QUANTITIES
-            if name.startswith(FRAME_PREFIX)
-        },
-        state=State(**state),
-        memory=method.remembers(**_values(data, "memory_", method.remembers)),
-        ending=Ending(data.attrs["ending"], data.attrs["ending_message"]),
-    )
-
-
-def _values(data: xr.Dataset, prefix: str, kind: type) -> dict[str, Any]:
-    """The fields of a dataclass, but for those that are dataclasses themselves."""
-    found = {}
-    for name, hint in get_type_hints(kind).items():
-        if hint is Measures or name not in {each.name for each in fields(kind)}:
-            continue
-        value = data[f"{prefix}{name}"].values
-        found[name] = hint(value) if value.ndim == 0 else value
-    return found

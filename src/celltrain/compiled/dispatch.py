@@ -1,0 +1,28 @@
+"""The choice between a compiled loop and the plain formula of the same sum."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+from jaxtyping import Array, Float
+
+from celltrain.compiled.call_frame import LOOPS_SERVE
+
+
+def loop(name: str, shape: tuple[int, ...], *arguments: Array) -> Float[Array, "..."]:
+    """Result of the compiled loop of a name, an array of the given shape."""
+    result = jax.ShapeDtypeStruct(shape, float)
+    return jax.ffi.ffi_call(name, result, vmap_method="sequential")(*arguments)
+
+
+def compiled_or_plain(
+    compiled: Callable[..., Array], plain: Callable[..., Array], *arguments: Any
+) -> Float[Array, "..."]:
+    """What the compiled loops give on processors where they serve, and the formula elsewhere.
+
+    Which of them a program contains is decided when it is compiled for a platform. Both take the
+    same arguments, arrays or trees of them, and agree to rounding.
+    """
+    if not LOOPS_SERVE:
+        return plain(*arguments)
+    return jax.lax.platform_dependent(*arguments, cpu=compiled, default=plain)

@@ -1,0 +1,192 @@
+"""Compiled loops where they can be called, plain formulas elsewhere, and how that is told."""
+
+import re
+import subprocess
+import sys
+from functools import partial
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from celltrain.compiled import FORCE_PAIRS, LOOPS_SERVE, NODE_FORCES, STRESSLET_PAIRS, loop
+from celltrain.compiled.call_frame import differences
+from celltrain.compiled.header import HEADER, Header
+from celltrain.flow.force_sums import force_sums
+from celltrain.flow.near import Listed, pair_sums
+
+XI = 1.1
+INCLUDE = Path(jax.ffi.include_dir())
+TEXT = (INCLUDE / HEADER).read_text()
+
+
+Arrays = tuple[jax.Array, ...]
+
+
+def inputs() -> tuple[tuple[jax.Array | Listed, ...], Arrays]:
+    """Of `pair_sums`, with forces and stresslets, and of `force_sums`."""
+    random = np.random.default_rng(5)
+    sizes = (3, 4, 3), (2, 6, 3), (2, 6, 3), (2, 6, 6)
+    points = [jnp.asarray(random.normal(size=each)) for each in sizes]
+    pairs = jnp.asarray(random.integers(0, 18, 12))
+    keep = jnp.asarray(random.random((3, 3, 4, 2)) < 0.7)
+    listed = Listed(pairs, jnp.asarray(9), jnp.asarray([0, 1]), 1, keep)
+    targets, weights = jnp.asarray(random.normal(size=(5, 3))), jnp.asarray(random.random((3, 2)))
+    nodes = jnp.asarray(random.normal(size=(6, 5, 3, 2)))
+    return (*points, jnp.asarray(2.0), listed), (targets, nodes, weights)
+
+
+def sums() -> Arrays:
+    """Both sums."""
+    by_pairs, by_nodes = inputs()
+    found = jax.jit(partial(pair_sums, XI))(*by_pairs)
+    return found, jax.jit(partial(force_sums, XI))(*by_nodes)
+
+
+def doctored(folder: Path, text: str) -> Path:
+    """A folder of headers, with this text in place of the one that matters."""
+    (folder / HEADER).parent.mkdir(parents=True)
+    (folder / HEADER).write_text(text)
+    return folder
+
+
+def changed(old: str, new: str) -> str:
+    assert len(re.findall(old, TEXT)) == 1, old
+    return re.sub(old, new, TEXT)
+
+
+def test_the_installed_header_is_what_the_loops_are_written_for() -> None:
+    assert differences(INCLUDE) == []
+    assert LOOPS_SERVE
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (r"(#define XLA_FFI_API_MAJOR) 0", r"\1 1", "XLA_FFI_API_MAJOR is 1 instead of 0"),
+        (r"(#define XLA_FFI_API_MINOR) 3", r"\1 4", "XLA_FFI_API_MINOR is 4 instead of 3"),
+        (r"(#define) XLA_FFI_API_MINOR 3", r"\1 OTHER 3", "XLA_FFI_API_MINOR is None"),
+        (r"(XLA_FFI_DataType_F64) = 12", r"\1 = 13", "XLA_FFI_DataType_F64 is 13 instead of 12"),
+        (r"(XLA_FFI_DataType_S64) = 5", r"\1 = 55", "XLA_FFI_DataType_S64 is 55 instead of 5"),
+        (r"(XLA_FFI_DataType_PRED) = 1,", r"\1 = 2,", "XLA_FFI_DataType_PRED is 2 instead of 1"),
+        (r"(XLA_FFI_Extension_Metadata) = 1", r"\1 = 7", "XLA_FFI_Extension_Metadata is 7"),
+        # A field more, fields exchanged, another size, another name, and none at all.
+        (
+            r"(XLA_FFI_DataType dtype;)(\s*void\* data;\s*int64_t rank;)",
+            r"\1 int64_t more;\2",
+            "XLA_FFI_Buffer.data is at byte 32 instead of 24",
+        ),
+        (
+            r"(int64_t rank;)\s*(int64_t\* dims;)",
+            r"\2 \1",
+            "XLA_FFI_Buffer.rank is at byte 40 instead of 32",
+        ),
+        (
+            r"XLA_FFI_ExecutionStage stage;(\s*XLA_FFI_Args args;)",
+            r"XLA_FFI_Args stage;\1",
+            "XLA_FFI_CallFrame.args.args is at byte 104 instead of 72",
+        ),
+        (r"void\*\* rets; ", r"void** results; ", "XLA_FFI_Rets has no field rets"),
+        (r"struct XLA_FFI_Buffer \{", r"struct Other {", "there is no structure XLA_FFI_Buffer"),
+        (r"int64_t rank;", r"unheard_of rank;", "the size of unheard_of is not known"),
+    ],
+)
+def test_another_header_is_told_apart(tmp_path: Path, old: str, new: str, said: str) -> None:
+    found = differences(doctored(tmp_path, changed(old, new)))
+    assert any(said in each for each in found), found
+
+
+def test_no_header(tmp_path: Path) -> None:
+    assert "cannot be read" in differences(tmp_path)[0]
+
+
+def test_places_are_those_of_a_compiler() -> None:
+    header = Header("""
+        // struct Inner { int64_t not_this; };
+        typedef enum { First = 3, Second = 4 } Kind;
+        struct Inner { int32_t a; /* int64_t b; */ const char* c; Kind kind; };
+        struct Outer { Kind kind; struct Inner inner; int32_t last; uint8_t* end; };
+    """)
+    assert header.numbers == {"First": 3, "Second": 4}
+    places = {"kind": 0, "inner": 8, "inner.c": 16, "inner.kind": 24, "last": 32, "end": 40}
+    assert {path: header.offset("Outer", path) for path in places} == places
+
+
+def test_without_loops_formulas_give_the_same(tmp_path: Path) -> None:
+    """A package whose jaxlib has another header says so, and computes the same sums."""
+    folder = doctored(tmp_path, changed(r"(#define XLA_FFI_API_MINOR) 3", r"\1 4"))
+    program = f"""
+import runpy, warnings
+import jax, numpy
+from functools import partial
+jax.ffi.include_dir = lambda: {str(folder)!r}
+with warnings.catch_warnings(record=True) as told:
+    warnings.simplefilter("always")
+    here = runpy.run_path({__file__!r})
+assert not here["LOOPS_SERVE"]
+(message,) = [each for each in told if "compiled loops" in str(each.message)]
+assert message.category is RuntimeWarning
+print(message.message)
+by_pairs, _ = here["inputs"]()
+traced = jax.jit(partial(here["pair_sums"], here["XI"])).lower(*by_pairs)
+assert "celltrain_" not in traced.as_text()
+numpy.savez({str(tmp_path / "sums.npz")!r}, *here["sums"]())
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "XLA_FFI_API_MINOR is 4 instead of 3" in done.stdout
+    with np.load(tmp_path / "sums.npz") as kept:
+        for number, expected in enumerate(sums()):
+            size = np.abs(expected).max()
+            assert size > 0.1
+            assert_allclose(kept[f"arr_{number}"], expected, rtol=0, atol=1e-12 * size)
+
+
+@pytest.mark.parametrize("platform", ["cuda", "rocm", "tpu"])
+def test_other_platforms_get_formulas(platform: str) -> None:
+    by_pairs, by_nodes = inputs()
+    names = (FORCE_PAIRS, STRESSLET_PAIRS, NODE_FORCES)
+    for function, given, loops in (
+        (pair_sums, by_pairs, names[:2]),
+        (force_sums, by_nodes, names[2:]),
+    ):
+        traced = jax.jit(partial(function, XI)).trace(*given)
+        here = traced.lower(lowering_platforms=("cpu",)).as_text()
+        there = traced.lower(lowering_platforms=(platform,)).as_text()
+        for name in loops:
+            assert name in here
+            assert name not in there
+        # What is not taken is not computed, either: the loop stands for the whole formula.
+        assert "stablehlo.rsqrt" in there
+        assert "stablehlo.rsqrt" not in here
+
+
+def test_no_choice_is_left_to_the_program() -> None:
+    for function, given in zip((pair_sums, force_sums), inputs(), strict=True):
+        program = jax.jit(partial(function, XI)).lower(*given).compile().as_text()
+        assert "custom-call" in program
+        assert "conditional(" not in program
+
+
+def test_many_at_once() -> None:
+    _, (targets, nodes, weights) = inputs()
+    several = jnp.stack([targets, 2.0 * targets, -targets])
+    found = jax.jit(jax.vmap(lambda each: force_sums(XI, each, nodes, weights)))(several)
+    expected = jnp.stack([force_sums(XI, each, nodes, weights) for each in several])
+    assert_allclose(found, expected, rtol=1e-13)
+
+
+def test_arguments_of_another_type_give_nan() -> None:
+    _, given = inputs()
+    parameter = jnp.asarray(XI)
+    found = loop(NODE_FORCES, given[0].shape, *given, parameter)
+    assert np.isfinite(found).all()
+    for number in range(3):
+        other = list(given)
+        other[number] = other[number].astype(jnp.float32)
+        assert np.isnan(loop(NODE_FORCES, given[0].shape, *other, parameter)).all()
