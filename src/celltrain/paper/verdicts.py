@@ -69,7 +69,7 @@ STATEMENTS = (
     Statement(
         "P29", "Fig. 20", "without nearest neighbours alpha falls, up to 1000-fold", why.near
     ),
-    Statement("P30", "Table I", "strain energies of four trains", why.energies),
+    Statement("P30", "Table I", "strain energies of four trains", why.table),
     Statement("P31", "V G", "all that grows at first has W > 0.6, mostly dilatation", why.energies),
     Statement("P32", "VI", "phi = 0.4 to 0.6, D <= 10: 1e5 r0 before growing 1e3-fold", why.valley),
 )
@@ -114,10 +114,10 @@ def _words(parts: Sequence[Compared], explained: Explanation) -> str:
     if len(parts) == 1 or len(set(kinds)) == 1:
         first = kinds[0]
     else:
-        listed = ", ".join(f"{count} {kind}" for kind, count in counts.items() if count)
-        first = f"of {len(parts)} parts {listed}"
+        listed = [f"{kind} ({count})" for kind, count in counts.items() if count]
         if UNKNOWN in kinds:
-            first += f", {kinds.count(UNKNOWN)} {UNKNOWN}"
+            listed.append(f"{UNKNOWN} ({kinds.count(UNKNOWN)})")
+        first = f"{len(parts)} parts, " + ", ".join(listed)
     if not explained.reason:
         return f"{first}: why is open"
     return f"{first}: {'' if explained.shown else 'why is open; '}{explained.reason}"
