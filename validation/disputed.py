@@ -92,7 +92,7 @@ PLACES = [
 def ladder(
     place: Place, known: dict[int, Base], near: dict[int, Base]
 ) -> Iterator[tuple[float, ...]]:
-    """The `NUMBERS` of a case at each of `DEGREES`, not numbers where there is no train.
+    """The `NUMBERS` of a case at each of `DEGREES`, NaN where there is no train.
 
     **Arguments:** `known`: steady trains by degree that serve, to which new ones are added; `near`:
     those of the case before, to go on from.

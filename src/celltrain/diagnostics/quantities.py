@@ -65,7 +65,7 @@ FRAME_QUANTITIES: dict[str, Quantity] = {
             f"W{(symbol(KEPT[modulus]) or part)[1:]}",
             "mu U r0^2",
             f"strain energy of {part} (Eq. 23), the part with the {part} modulus"
-            + (", not a number for bending moments" if part == "bending" else ""),
+            + (", NaN for bending moments" if part == "bending" else ""),
             ("cell",),
         )
         for part, modulus in ENERGY_PARTS.items()

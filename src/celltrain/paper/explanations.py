@@ -394,9 +394,6 @@ def _map(evidence: Evidence, resolution: str) -> xr.DataArray:
 
 def _rate(evidence: Evidence, capillary: float, degree: int) -> str:
     """The solver's growth rate in the paper's unit, D = 8, packing 0.2."""
-    [found] = [
-        each["eigenvalues"][0][0]
-        for each in evidence.solver["flow_strength"]
-        if each["Ca"] == capillary and each["degree"] == degree
-    ]
+    of_case = (each for each in evidence.solver["flow_strength"] if each["Ca"] == capillary)
+    found = next(each["eigenvalues"][0][0] for each in of_case if each["degree"] == degree)
     return f"{paper_units.rate(found):.3f}"

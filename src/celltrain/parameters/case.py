@@ -7,6 +7,7 @@ from typing import Any
 
 from celltrain.parameters.errors import CaseError
 from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten
+from celltrain.parameters.strength import put_over
 from celltrain.parameters.train import Train
 
 UNITS = ("dimensionless", "SI")
@@ -47,9 +48,11 @@ def merge_case(case: Mapping[str, Any], leaves: Mapping[str, Any]) -> Train:
                 'section scales is not allowed with units = "SI": give radius in section cell,'
                 " mean_velocity and plasma_viscosity in section flow"
             )
-        return Train.from_si(**(flatten(both, SI_LEAVES) | flatten(changes, SI_LEAVES)))
+        merged = put_over({}, flatten(both, SI_LEAVES), si=True)
+        return Train.from_si(**put_over(merged, flatten(changes, SI_LEAVES), si=True))
     scales = {"scales": both.pop("scales")} if "scales" in both else {}
-    return Train(**(flatten(both, LEAVES) | flatten(changes, LEAVES)), **scales)
+    merged = put_over(scales, flatten(both, LEAVES))
+    return Train(**put_over(merged, flatten(changes, LEAVES)))
 
 
 def load_case(path: str | Path, **leaves: Any) -> Train:
