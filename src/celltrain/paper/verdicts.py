@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from celltrain.paper import explanations as why
 from celltrain.paper.comparison import (
     FAILS,
+    FAILS_AT_PAPER,
     HOLDS,
+    HOLDS_AT_PAPER,
     ONLY_CONVERGED,
     ONLY_PAPER,
     UNKNOWN,
@@ -110,13 +112,12 @@ def _words(parts: Sequence[Compared], explained: Explanation) -> str:
     kinds = [each.verdict for each in parts]
     if set(kinds) == {HOLDS}:
         return HOLDS
-    counts = {kind: kinds.count(kind) for kind in (HOLDS, ONLY_PAPER, ONLY_CONVERGED, FAILS)}
+    order = (HOLDS, ONLY_PAPER, ONLY_CONVERGED, FAILS, HOLDS_AT_PAPER, FAILS_AT_PAPER, UNKNOWN)
+    counts = {kind: kinds.count(kind) for kind in order}
     if len(parts) == 1 or len(set(kinds)) == 1:
         first = kinds[0]
     else:
         listed = [f"{kind} ({count})" for kind, count in counts.items() if count]
-        if UNKNOWN in kinds:
-            listed.append(f"{UNKNOWN} ({kinds.count(UNKNOWN)})")
         first = f"{len(parts)} parts, " + ", ".join(listed)
     if not explained.reason:
         return f"{first}: why is open"
@@ -149,9 +150,11 @@ def _side(found: Sequence[Finding | None]) -> str:
     known = [each for each in found if each is not None]
     if not known:
         return "not simulated"
+    if all(each.holds is None for each in known):
+        return "not computed"
     holding = sum(each.holds is True for each in known)
     if holding == len(known):
         return f"yes ({known[0].found})"
     count = "no" if holding == 0 else f"{holding} of {len(known)}"
-    failing = next(each for each in known if not each.holds)
+    failing = next((each for each in known if each.holds is False), known[0])
     return f"{count} ({failing.found})"
