@@ -105,7 +105,7 @@ def valley(evidence: Evidence) -> Explanation:
         f"below 1e-3 are {low} of {len(chosen)} trains at M = 12, {high} at M = 48, where alpha"
         f" is known to {move:.0e}; the largest, {worst:.3f}, grows a thousandfold in"
         f" {distance:.0e} r0;"
-        " tried: degrees to 48, m to 8, twice as many cells; the valley is there, but is narrower",
+        " tried: degrees to 48, all azimuthal numbers; the valley is there, but is narrower",
         shown=False,
     )
 
@@ -289,8 +289,9 @@ def dense_flow(evidence: Evidence) -> Explanation:
     known = int(np.isfinite(at(data["spectral_abscissa"], packing=0.7)).sum())
     return Explanation(
         "",
-        f"alpha first falls with Ca, then rises; tried: degrees to 48 ({known} of 16 dense trains"
-        " found), all moduli in proportion; Es alone has an axisymmetric instability",
+        f"alpha falls up to Ca = 2, where it is known to 1 % ({known} of 16 dense trains were"
+        " computed converged); tried: degrees to 48, all moduli in proportion; with Es alone"
+        " divided there is an axisymmetric instability",
         shown=False,
     )
 
@@ -325,6 +326,20 @@ def volume(evidence: Evidence) -> Explanation:
         f"at phi = 0.2, D = 8 alpha is largest at v = {low:g} at M = 12 and at {high:g} at M = 48;"
         " tried: degrees to 48; not tried: the paper's shapes at rest, formed with its own"
         " repulsion",
+        shown=False,
+    )
+
+
+def filled(evidence: Evidence) -> Explanation:
+    """P28: the fullest cells at both ends of the degrees, and the flattest."""
+    full = _disputed(evidence, "reduced_volume", 0.86, 8.0, 0.7)
+    flat = [_disputed(evidence, "reduced_volume", each, 12.0, 0.7)[-1] for each in (0.4, 0.5)]
+    return Explanation(
+        "",
+        f"at D = 8 alpha of the fullest cells (v = 0.86) is {full[0]:.5f} U/r0 at M = 12 but"
+        f" {full[-1]:.5f} at 48, below that of v = 0.8; at D = 12 it falls at every degree from"
+        f" {flat[0]:.5f} at v = 0.4 to {flat[1]:.5f} at 0.5; tried: degrees to 48; not tried: the"
+        " paper's shapes at rest, formed with its own repulsion",
         shown=False,
     )
 

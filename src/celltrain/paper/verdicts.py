@@ -67,7 +67,7 @@ STATEMENTS = (
     Statement("P25", "Fig. 16b", "phi = 0.7: alpha rises with Ca as the gap falls", why.dense_flow),
     Statement("P26", "Fig. 17", "shapes for v = 0.4 to 1; repulsion below 0.61", why.shapes),
     Statement("P27", "Fig. 19a", "phi = 0.2: most unstable v about 0.55, 0.52", why.volume),
-    Statement("P28", "Fig. 19b", "phi = 0.7: alpha rises with v; none above 0.86", why.volume),
+    Statement("P28", "Fig. 19b", "phi = 0.7: alpha rises with v; none above 0.86", why.filled),
     Statement(
         "P29", "Fig. 20", "without nearest neighbours alpha falls, up to 1000-fold", why.near
     ),
