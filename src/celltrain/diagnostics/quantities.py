@@ -1,7 +1,4 @@
-"""The quantities that a frame of a simulation consists of: name, symbol, unit, meaning, dimensions.
-
-Names differ from those of other results, so that all can go into one file.
-"""
+"""The quantities that a frame of a simulation consists of: symbol, unit, meaning, dimensions."""
 
 from celltrain.parameters.fields import symbol
 from celltrain.parameters.routing import KEPT
