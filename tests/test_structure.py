@@ -14,6 +14,7 @@ ROOMS = (
     "xla_flags",
     "environment",
     "clock",
+    "interruption",
     "runtime",
     "laws",
     "quantities",

@@ -2,6 +2,7 @@
 
 import json as json_
 import sys
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from dataclasses import asdict
 from functools import partial
@@ -14,14 +15,17 @@ from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.compute import NOT_CONVERGED
+from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder
 from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
 from celltrain.paper import FIGURES, PaperFigure, findings_table, paper_study
 from celltrain.paper.resolutions import CONVERGED, PAPER, Resolutions
 from celltrain.paper.trains import PAPER_DEGREE
 from celltrain.parameters import CaseError
-from celltrain.results import replace_file, save, write_dataset
+from celltrain.results import only_writer, replace_file, save, write_dataset
 from celltrain.study import collect
+
+Write = Callable[[Path], object]
 
 FigureName = Annotated[
     Literal[
@@ -92,26 +96,28 @@ def paper(
     folder = output or Path(f"{usual[CONVERGED]}-quick" if quick else usual[resolution])
     run = StudyRun(folder, workers, scheduler, retry, quiet)
     errors = Console(stderr=True)
-    # Only the result itself may go to standard output.
-    with redirect_stdout(sys.stderr):
-        data, written, failed = _data(chosen, run, errors, quick=quick, degree=degree)
-        findings = chosen.findings(data)
+    check_folder(folder, "output")
+    with only_writer(folder):
+        # Only the result itself may go to standard output.
+        with redirect_stdout(sys.stderr):
+            data, files, failed = _data(chosen, run, errors, quick=quick, degree=degree)
+            findings = chosen.findings(data)
         text = findings_table(findings)
-        written.append(_write(text, folder / f"{figure}.md"))
+        shown = text
+        if json:
+            shown = json_.dumps([asdict(finding) for finding in findings], indent=2) + "\n"
+        keeper = Keeper(errors, quiet=quiet)
+        keeper.show(lambda: sys.stdout.write(shown))
+        for path, write in files.items():
+            keeper.file(path, write)
+        keeper.text(folder / f"{figure}.md", text)
         both: Resolutions = {resolution: data}
         if output is None and not quick:
             both |= _beside(resolution, usual)
-        written.append(chosen.draw(both, folder / f"{figure}.png"))
-        if not quiet:
-            for path in written:
-                errors.print(f"wrote {path}", highlight=False, markup=False, soft_wrap=True)
-            if chosen.needs:
-                errors.print(f"without {chosen.needs}", highlight=False, soft_wrap=True)
-    if json:
-        print(json_.dumps([asdict(finding) for finding in findings], indent=2))
-    else:
-        sys.stdout.write(text)
-    return NOT_CONVERGED if failed else 0
+        keeper.picture(folder / f"{figure}.png", lambda path: chosen.draw(both, path))
+        if chosen.needs and not quiet:
+            errors.print(f"without {chosen.needs}", highlight=False, soft_wrap=True)
+        return NOT_CONVERGED if failed else keeper.status
 
 
 def _beside(resolution: str, folders: dict[str, str]) -> Resolutions:
@@ -126,23 +132,22 @@ def _beside(resolution: str, folders: dict[str, str]) -> Resolutions:
 
 def _data(
     figure: PaperFigure, run: StudyRun, errors: Console, *, quick: bool, degree: int | None
-) -> tuple[xr.Dataset, list[Path], bool]:
-    """The data of a figure, the files with it, and whether a case failed."""
+) -> tuple[xr.Dataset, dict[Path, Write], bool]:
+    """The data of a figure, how to write the files with it, and whether a case failed."""
     path = run.folder / "study.nc"
     if figure.compute is not None:
-        check_folder(run.folder, "output")
         if path.is_file() and not run.retry:
             with xr.open_dataset(path) as kept:
-                return kept.load(), [], False
+                return kept.load(), {}, False
         data = figure.compute(degree)
-        return data, [write_dataset(data, path)], False
+        return data, {path: partial(write_dataset, data)}, False
     study = paper_study(figure, quick=quick, degree=degree)
     records = compute(study, run, errors)
     result = collect(study, records)
-    written = [save(result, path), _write(result.table(), run.folder / "table.md")]
-    return result.data, written, any(record.status == "failed" for record in records.values())
+    table = result.table()
 
+    def write(path: Path) -> None:
+        replace_file(path, lambda part: part.write_text(table, encoding="utf-8"))
 
-def _write(text: str, path: Path) -> Path:
-    replace_file(path, partial(Path.write_text, data=text))
-    return path
+    files: dict[Path, Write] = {path: partial(save, result), run.folder / "table.md": write}
+    return result.data, files, any(record.status == "failed" for record in records.values())
