@@ -13,7 +13,7 @@ sixteen cells (Fig. 6).
 Run time. Ten seconds, the first time some more for compilation.
 
 Command. ``python examples/infinite_train.py [FOLDER]``; curves and pictures go to
-out/infinite_train unless told otherwise. ``celltrain stability --infinite`` does one case.
+out/infinite_train unless told otherwise. ``celltrain infinite`` does one case.
 """
 
 import sys

@@ -8,6 +8,7 @@ import pytest
 
 from celltrain import Base, CaseError, Train, steady
 from celltrain.continuation import BoundaryPoint, Steps, boundary, stability_boundary
+from celltrain.continuation.boundary import crossing
 from celltrain.pictures import draw_stability_boundary
 from celltrain.stability import WaveMode, block_spectrum, linear_blocks, neutral_space
 
@@ -92,3 +93,20 @@ def test_what_is_refused(coarse_base: Base) -> None:
         stability_boundary(coarse_base, azimuthal_number=1, phase=4.0)
     with pytest.raises(CaseError, match=r"towards = 'length'.*diameter or packing"):
         stability_boundary(coarse_base, azimuthal_number=1, phase=0.0, towards="length")
+
+
+def test_the_boundary_is_found_from_afar() -> None:
+    start = steady(Train(diameter=6, packing=0.2, cells=1, degree=8), estimate_error=False)
+    found = crossing(start, azimuthal_number=1, phase=np.pi)
+    assert found.train.tube.diameter == 6.0
+    assert found.train.packing != 0.2
+    block = linear_blocks(found, [np.pi], [1])[1][0]
+    spectrum = block_spectrum(block, neutral_space(found, 1, 1))
+    leading = max(
+        value.real
+        for value, kind in zip(spectrum.eigenvalues, spectrum.kinds, strict=True)
+        if not kind
+    )
+    assert abs(leading) < 1e-4
+    with pytest.raises(CaseError, match="does not change its sign with the packing"):
+        crossing(start, azimuthal_number=3, phase=0.0)

@@ -13,9 +13,19 @@ from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, load, save, steady
 from celltrain.cli import main
-from celltrain.contract import analysis_named, commands, draw_all, kinds, presentation
+from celltrain.continuation import BoundaryPoint, CurveEnding, StabilityBoundary
+from celltrain.contract import (
+    OfStability,
+    Silent,
+    analysis_named,
+    commands,
+    draw_all,
+    kinds,
+    presentation,
+)
 from celltrain.contract.documentation import page
 from celltrain.stability import Stability
+from celltrain.stability.infinite import WaveMode
 
 DOCUMENTATION = Path(__file__).parents[1] / "docs" / "diagnostics.md"
 # A diagnostic of one's own: everything about it in one file.
@@ -34,6 +44,7 @@ from celltrain.contract.tables import quantities_table
 from celltrain.parameters import CaseError, Train
 from celltrain.quantities import Quantity, Record
 from celltrain.stability import Stability
+from celltrain.stability.infinite import WaveMode
 from celltrain.steady import Base
 
 
@@ -177,6 +188,40 @@ def test_results_go_through_files_reports_and_pictures(
     assert drawn == ["base_train", "leading_mode", "profile", "spectrum", "transient_mode"]
     assert main(["show", str(tmp_path / "missing.nc")]) == 2
     assert "there is no such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["pseudospectrum", "neighbours", "mechanisms", "transient"])
+def test_what_goes_on_from_a_stability(
+    name: str, coarse_stability: Stability, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Saved, loaded, shown, drawn, in JSON, and started from."""
+    settings = {"pseudospectrum": {"points": 5}, "transient": {"until": 2.0}}.get(name, {})
+    analysis = analysis_named(name)(**settings)
+    assert isinstance(analysis, OfStability)
+    analysis.check(coarse_stability.base.train)
+    result = analysis.of(coarse_stability, Silent())
+    path = save(result, tmp_path / "result.nc")
+    assert load(path) == result
+    assert presentation(name).steady_train(load(path)) == coarse_stability.base
+    assert main(["show", str(path)]) == 0
+    assert "D = " in capsys.readouterr().out
+    assert main(["show", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["kind"] == name
+    assert all(drawn.stat().st_size > 10_000 for drawn in draw_all(result, tmp_path))
+
+
+def test_a_boundary_survives_its_file(
+    coarse_base: Base, coarse_stability: Stability, tmp_path: Path
+) -> None:
+    size = len(coarse_stability.transient.vector)
+    mode = WaveMode(0.0, 0.1, 1, 1.5, np.ones(size, complex), np.ones(size, complex))
+    points = (BoundaryPoint(coarse_base, mode, np.array([0.1, -0.2])),) * 2
+    result = StabilityBoundary(points, CurveEnding("enough", "2 points were found"))
+    assert load(save(result, tmp_path / "boundary.nc")) == result
+    assert presentation("boundary").status(result) == 0
+    lost = StabilityBoundary(points, CurveEnding("lost", "the step became too short"))
+    assert presentation("boundary").status(lost) == 3
+    assert lost != result
 
 
 def test_a_picture_that_fails_takes_nothing_with_it(

@@ -29,7 +29,6 @@ from celltrain.membrane import reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.proximity.distances import cell_distance, wall_distance
-from celltrain.results import QUANTITIES
 from celltrain.stability import PaperNorm
 from celltrain.train import place_cells
 
@@ -331,7 +330,3 @@ def test_a_frame_that_cannot_be_measured_is_refused(train: Train) -> None:
         frame(train, shapes, shapes)
     with pytest.raises(CaseError, match="finite"):
         frame(train, np.full((4, 3, 36), np.nan), np.zeros((4, 3, 36)))
-
-
-def test_names_of_frames_are_not_those_of_results() -> None:
-    assert not set(FRAME_QUANTITIES) & set(QUANTITIES)

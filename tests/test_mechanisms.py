@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability
+from celltrain.analyses.streamlines import FlowInCellFrame
 from celltrain.contract import load
 from celltrain.diagnostics import (
     MeridionalFlow,
@@ -108,13 +109,15 @@ def synthetic(base: Base, ahead: float) -> MeridionalFlow:
     return MeridionalFlow(radius, axial, velocity, stream, np.zeros(z.shape, dtype=bool))
 
 
-def test_turning_fluid_of_a_known_flow(coarse_base: Base) -> None:
+def test_turning_fluid_of_a_known_flow(coarse_base: Base, tmp_path: Path) -> None:
     found = recirculation(coarse_base, synthetic(coarse_base, 0.5))
     assert_allclose(found.stagnation_points, (-2.5, 2.5), atol=1e-3)
     assert_allclose(abs(found.axis_velocity), 1.0)
     # r^2 (a - r^2) is largest, a^2/4, at r^2 = a/2.
     assert_allclose(found.strength, 0.25**2 / (9 * 9.5), rtol=1e-3)
     assert_allclose(found.centre, (0.5, 0.0), atol=0.03)
+    whole = FlowInCellFrame(coarse_base, synthetic(coarse_base, 0.5), found)
+    assert load(save(whole, tmp_path / "flow.nc")) == whole
 
 
 def test_no_turning_fluid(coarse_base: Base) -> None:

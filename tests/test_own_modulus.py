@@ -14,12 +14,13 @@ from pathlib import Path
 import pytest
 
 import celltrain
-from celltrain.parameters import CaseError, Cell, Train
+from celltrain.parameters import CaseError, Cell, Train, merge_case
 from celltrain.parameters.dimension import BENDING_MODULUS, Dimension
 from celltrain.parameters.fields import dimension, plain_type
 from celltrain.parameters.routing import SECTIONS, TAKEN
 from celltrain.parameters.strength import DRIVEN, MODULI
 from celltrain.steady.parameters import MATERIAL, PARAMETERS
+from celltrain.study import make_study
 
 SOURCE = Path(celltrain.__file__).parent
 
@@ -219,13 +220,36 @@ def test_the_flows_strength_is_one_number_and_keeps_the_si_values() -> None:
     in_si = Train.from_si(diameter=16.8e-6, packing=0.2, capillary_number=0.5)
     assert in_si.scales.mean_velocity == pytest.approx(0.5 * 4.2e-6 / 1.2e-3)
     assert in_si.leaves("SI")["shear_modulus"] == pytest.approx(4.2e-6)
-    # Other moduli keep their ratio to the shear modulus.
-    stiff = Train(diameter=6, packing=0.2, capillary_number=0.5, dilatation_modulus=10.0)
+    # The moduli of a case keep their ratio to the shear modulus.
+    case = {"diameter": 6, "packing": 0.2, "dilatation_modulus": 10.0}
+    stiff = merge_case(case, {"capillary_number": 0.5})
+    assert stiff.leaf("capillary_number") == pytest.approx(0.5, rel=1e-14)
     ratio = stiff.cell.dilatation_modulus / stiff.cell.shear_modulus
     assert ratio == pytest.approx(10.0 / train.cell.shear_modulus)
+    other = merge_case({"diameter": 6, "packing": 0.2, "capillary_number": 0.5}, {"cells": 2})
+    assert other.leaf("capillary_number") == pytest.approx(0.5, rel=1e-14)
     for wrong, words in ((-1.0, "allowed: a number > 0"), ("fast", "capillary_number = 'fast'")):
         with pytest.raises(CaseError, match=words):
             train.changed(capillary_number=wrong)
+
+
+def test_a_flows_strength_and_what_it_changes_are_not_given_together() -> None:
+    both = {"capillary_number": 0.5, "dilatation_modulus": 10.0}
+    words = "dilatation_modulus and capillary_number are both given"
+    with pytest.raises(CaseError, match=words):
+        Train(diameter=6, packing=0.2, **both)
+    with pytest.raises(CaseError, match=words):
+        Train(diameter=6, packing=0.2).changed(**both)
+    axes = {name: [value, 2.0 * value] for name, value in both.items()}
+    with pytest.raises(CaseError, match=words):
+        make_study({"case": {"diameter": 6, "packing": 0.2}, "axes": axes})
+    # In SI the moduli are what they are.
+    si = {"diameter": 16.8e-6, "packing": 0.2, "dilatation_modulus": 4e-5, "capillary_number": 0.5}
+    train = Train.from_si(**si)
+    assert train.leaf("capillary_number") == pytest.approx(0.5, rel=1e-14)
+    assert train.leaves("SI")["dilatation_modulus"] == pytest.approx(4e-5, rel=1e-14)
+    with pytest.raises(CaseError, match="mean_velocity and capillary_number are both given"):
+        Train.from_si(**si, mean_velocity=1e-3)
 
 
 def test_sections_are_those_of_a_case() -> None:

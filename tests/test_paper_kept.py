@@ -12,7 +12,9 @@ from celltrain import Train, stability, steady
 from celltrain.paper import FIGURES
 from celltrain.paper.comparison import (
     FAILS,
+    FAILS_AT_PAPER,
     HOLDS,
+    HOLDS_AT_PAPER,
     ONLY_CONVERGED,
     ONLY_PAPER,
     UNKNOWN,
@@ -140,6 +142,8 @@ def test_verdicts_of_two_resolutions() -> None:
         (False, True): ONLY_CONVERGED,
         (False, False): FAILS,
         (None, True): UNKNOWN,
+        (True, None): HOLDS_AT_PAPER,
+        (False, None): FAILS_AT_PAPER,
     }
     for (paper, converged), expected in cases.items():
         assert Compared("P1", "it is so", one(paper), one(converged)).verdict == expected

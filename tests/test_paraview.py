@@ -15,7 +15,7 @@ from celltrain.membrane import reference_coefficients
 from celltrain.parameters import CaseError, Train
 from celltrain.pictures import evolution
 from celltrain.pictures.animation import animate
-from celltrain.pictures.evolution import WIDE, Growth, draw_snapshots, make_stage, plot_growth
+from celltrain.pictures.evolution import WIDE, Growth, draw_snapshots, make_scene, plot_growth
 from celltrain.pictures.paraview import PolyData, closed_rings, export_paraview, write_poly_data
 from celltrain.train import place_cells
 
@@ -236,7 +236,7 @@ def test_snapshots_are_drawn(
         draw_snapshots(train, times, shapes, tmp_path / "both.png", velocities=0.1 * shapes[..., 0])
     )
     # This tube is short and wide: two of them make a row, of half the height.
-    assert make_stage(train, shapes).ratio > WIDE
+    assert make_scene(train, shapes).ratio > WIDE
     assert both[0] == one[0]
     assert 0.5 * one[1] < both[1] < one[1]
     # Of a long tube each has a row of its own.
@@ -247,7 +247,7 @@ def test_snapshots_are_drawn(
 
 
 def test_cells_that_leave_downstream_enter_upstream(train: Train, shapes: np.ndarray) -> None:
-    stage = make_stage(train, shapes)
+    stage = make_scene(train, shapes)
     assert stage.end - stage.start == pytest.approx(train.length)
     height = stage.placed(shapes[1])[:, 2, 0] / UNIT_DISPLACEMENT
     assert ((height >= stage.start) & (height < stage.end)).all()
@@ -255,7 +255,7 @@ def test_cells_that_leave_downstream_enter_upstream(train: Train, shapes: np.nda
     assert_allclose(moved, np.round(moved), atol=1e-12)
     assert_allclose(moved, [0, 0, -1], atol=1e-12)
     # A short train is repeated.
-    single = make_stage(train, shapes[:, :1])
+    single = make_scene(train, shapes[:, :1])
     assert single.repeats == 3
     again = single.placed(shapes[0, :1])[:, 2, 0] / UNIT_DISPLACEMENT
     assert_allclose(np.diff(again), train.period)

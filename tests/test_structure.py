@@ -119,3 +119,32 @@ def test_no_modules_import_each_other() -> None:
                 graph[name] |= inner & known.keys() or {node.module}
         graph[name] &= known.keys() - {name}
     TopologicalSorter(graph).prepare()
+
+
+def test_no_file_is_long() -> None:
+    for path in files():
+        assert len(path.read_text().splitlines()) <= 400, path
+
+
+def test_no_two_classes_have_one_name() -> None:
+    found: dict[str, Path] = {}
+    for path in files():
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                assert node.name not in found, f"{node.name}: {found[node.name]} and {path}"
+                found[node.name] = path
+
+
+def test_what_is_public_says_what_it_is() -> None:
+    def look(node: ast.AST, path: Path) -> None:
+        for each in ast.iter_child_nodes(node):
+            if not isinstance(each, ast.FunctionDef | ast.ClassDef) or each.name.startswith("_"):
+                continue
+            assert ast.get_docstring(each), f"{path}: {each.name}"
+            if isinstance(each, ast.ClassDef):
+                look(each, path)
+
+    for path in files():
+        tree = ast.parse(path.read_text())
+        assert ast.get_docstring(tree), path
+        look(tree, path)

@@ -10,8 +10,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 from celltrain.cli import main, study_run
+from celltrain.paper import FIGURES, Finding, PaperFigure
+from celltrain.paper.resolutions import Resolutions
 from celltrain.parameters import Train
 from celltrain.steady import Base, NotConverged
 from celltrain.study import Computed, Outcome, Workers, WorkersLost
@@ -122,6 +125,34 @@ def test_figures_of_the_paper_share_a_study(use, tmp_path: Path, capsys) -> None
     assert (folder / "fig8.md").exists()
 
 
+def test_a_computed_figure_shows_the_other_resolution_beside_it(
+    tmp_path: Path, capsys, monkeypatch
+) -> None:
+    computed: list[int | None] = []
+
+    def data(degree: int | None) -> xr.Dataset:
+        computed.append(degree)
+        return xr.Dataset({"degree": -1 if degree is None else degree})
+
+    drawn: list[list[str]] = []
+
+    def draw(found: Resolutions, path: Path) -> Path:
+        drawn.append(sorted(found))
+        path.write_text("picture")
+        return path
+
+    figure = PaperFigure("some", draw, lambda _: [Finding("P4", "so", "found", True)], data)
+    monkeypatch.setitem(FIGURES, "fig3", figure)
+    monkeypatch.chdir(tmp_path)
+    assert main(["paper", "fig3", "--resolution", "paper"]) == 0
+    assert "| P4 | so | found | yes |" in capsys.readouterr().out
+    # What is kept is not computed again.
+    assert main(["paper", "fig3", "--resolution", "paper", "--quiet"]) == 0
+    assert main(["paper", "fig3", "--quiet"]) == 0
+    assert computed == [12, None]
+    assert drawn == [["paper"], ["paper"], ["converged", "paper"]]
+
+
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
@@ -137,7 +168,9 @@ def test_figures_of_the_paper_share_a_study(use, tmp_path: Path, capsys) -> None
             ["sweep", "STUDY", "--scheduler", "nowhere"],
             ["scheduler = 'nowhere'", "cannot be reached"],
         ),
-        (["paper", "fig7"], ["fig7", "fig6"]),
+        (["paper", "fig2"], ["fig2", "fig6"]),
+        (["paper", "fig7", "--quick"], ["quick", "fig7", "maps and curves"]),
+        (["paper", "fig6", "--quick", "--resolution", "paper"], ["quick", "resolution = 'paper'"]),
     ],
 )
 def test_bad_input(study, tmp_path: Path, capsys, monkeypatch, arguments, parts) -> None:

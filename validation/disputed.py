@@ -38,8 +38,8 @@ RATIO, CAPILLARY, VOLUME = "viscosity_ratio", "capillary_number", "reduced_volum
 #: What is varied, by its name in the file: the values, and the tubes.
 VARIED = {
     RATIO: ((0.1, 1.0, 5.0, 20.0, 100.0, 1000.0), (8.0, 12.0)),
-    CAPILLARY: ((0.66, 1.0, 2.0, 4.0, 10.0, 20.5), (8.0, 10.0)),
-    VOLUME: ((0.4, 0.5, 0.55, 0.6, 0.75, 0.86), (8.0, 12.0)),
+    CAPILLARY: ((0.4, 0.66, 1.0, 2.0, 4.0, 6.0, 10.0, 20.5), (8.0, 10.0)),
+    VOLUME: ((0.4, 0.5, 0.55, 0.6, 0.7, 0.75, 0.8, 0.86), (8.0, 12.0)),
 }
 #: Headings of the tables, with the paper's statements.
 HEADINGS = {
@@ -92,7 +92,7 @@ PLACES = [
 def ladder(
     place: Place, known: dict[int, Base], near: dict[int, Base]
 ) -> Iterator[tuple[float, ...]]:
-    """The `NUMBERS` of a case at each of `DEGREES`, not numbers where there is no train.
+    """The `NUMBERS` of a case at each of `DEGREES`, NaN where there is no train.
 
     **Arguments:** `known`: steady trains by degree that serve, to which new ones are added; `near`:
     those of the case before, to go on from.

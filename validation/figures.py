@@ -144,5 +144,7 @@ def _made(data: Resolutions) -> str:
             reasons = sorted({str(x).split(":")[0] for x in each["reason"].values[~finished]})
             listed = ", ".join(filter(None, reasons)) or "not computed"
             words[-1] += f" (the others: {listed})"
+        if "comment" in each.attrs:
+            words[-1] += f" ({each.attrs['comment']})"
     residual = max(float(each["residual"].max()) for each in data.values())
     return "; ".join(words) + f". Largest residual of a steady train {residual:.0e} U."

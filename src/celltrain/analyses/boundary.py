@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import Console
 
 from celltrain.continuation import BoundaryPoint, StabilityBoundary, stability_boundary
+from celltrain.continuation.boundary import crossing
 from celltrain.contract import Analysis, Draw, Progress, Setting
 from celltrain.contract.tables import case_line, titled
 from celltrain.parameters import CaseError, Train
@@ -23,8 +24,9 @@ STATUS = {"lost": 3, "interrupted": 130}
 class Boundary(Analysis[StabilityBoundary]):
     """Follow the boundary of stability of a mode in the plane of diameter and packing.
 
-    The mode is the fastest of its azimuthal number and phase in the case that is given, which
-    should be near the boundary. Exit status 3: it could not be followed further.
+    The mode is the fastest of its azimuthal number and phase where its growth rate changes sign
+    with the packing, at the diameter that is given. Exit status 3: it could not be followed
+    further.
     """
 
     result = StabilityBoundary
@@ -35,7 +37,7 @@ class Boundary(Analysis[StabilityBoundary]):
         Setting(
             "Phase q of the mode from cell to cell (radians).", "0, and numbers from 0.001 to pi"
         ),
-    ] = np.pi
+    ] = 0.0
     towards: Annotated[
         Literal["diameter", "packing"], Setting("Which of both rises or falls from the start.")
     ] = "diameter"
@@ -66,8 +68,11 @@ class Boundary(Analysis[StabilityBoundary]):
         def show(point: BoundaryPoint) -> None:
             progress.log(f"diameter {point.diameter:.6g}  packing {point.packing:.6g}")
 
+        m, q = self.azimuthal_number, self.phase
+        base = steady(train, start=start, progress=progress.iteration)
+        progress.log(f"the boundary of m = {m}, q = {q:.4g} at this diameter")
         found = stability_boundary(
-            steady(train, start=start, progress=progress.iteration),
+            crossing(base, azimuthal_number=m, phase=q),
             azimuthal_number=self.azimuthal_number,
             phase=self.phase,
             towards=self.towards,
@@ -78,8 +83,8 @@ class Boundary(Analysis[StabilityBoundary]):
         if not found.points:
             raise CaseError(
                 f"diameter = {train.tube.diameter:g}, packing = {train.packing:g} is not allowed:"
-                f" no boundary was found from there ({found.ending.message}); allowed: a case next"
-                " to it"
+                f" no boundary can be followed from there ({found.ending.message}); allowed:"
+                " another diameter, packing or mode"
             )
         return found
 

@@ -43,7 +43,7 @@ def run(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Any]) ->
     Raises:
         CaseError: for anything in the request that is not allowed, before computing.
     """
-    train, start = read_request(request, {**analysis.leaves(), **leaves})
+    train, start = read_request(request, {**leaves, **analysis.leaves()})
     if leaves.get("units") == "SI":
         analysis = analysis.dimensionless(train.scales)
     analysis.check(train)

@@ -9,9 +9,11 @@ recognised by its overlap |<l, r>| with the adjoint mode before.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, ClassVar
 
 import numpy as np
+import scipy  # loads its parts when they are used
 from jaxtyping import Complex, Float
 
 from celltrain.continuation.arclength import (
@@ -34,6 +36,10 @@ from celltrain.steady import Base, NotConverged, steady
 #: Growth rates of points on the boundary are below the tolerance, in U/r0.
 BOUNDARY_STEPS = Steps(first=0.02, largest=0.1, tolerance=1e-7)
 
+#: Factors of the packing at which the other side of the boundary is sought, one after another.
+FACTORS = (1.0, 1.1, 0.9, 1.25, 0.8, 1.5, 0.65, 2.0, 0.5, 2.5, 0.35, 3.0)
+# Part of the interval to which the boundary is sought there.
+CLOSE = 1e-3
 # The two parameters, in the order of the unknowns.
 PLANE = ("diameter", "packing")
 
@@ -126,6 +132,45 @@ def stability_boundary(
     except KeyboardInterrupt:
         ending = CurveEnding("interrupted", "interrupted")
     return StabilityBoundary(tuple(points), ending)
+
+
+def crossing(start: Base, *, azimuthal_number: int, phase: float) -> Base:
+    """A train of the same diameter on, or next to, the boundary of its leading mode.
+
+    The leading growth rate alpha(phi) of these azimuthal number and phase is computed at `FACTORS`
+    of the start's packing until its sign changes, and its zero sought between (Brent's method).
+
+    **Raises:** `CaseError` if the sign does not change where there are trains.
+    """
+    known: dict[float, tuple[float, Base]] = {}
+
+    def rate(packing: float) -> float:
+        if packing not in known:
+            near = min(known, key=lambda each: abs(each - packing), default=None)
+            base = start if near is None else known[near][1]
+            if packing != base.train.packing:
+                train = start.train.changed(packing=packing)
+                base = steady(train, start=base, estimate_error=False)
+            known[packing] = (_modes(base, azimuthal_number, phase)[0].growth_rate, base)
+        return known[packing][0]
+
+    for factor in FACTORS:
+        packing = factor * start.train.packing
+        try:
+            rate(packing)
+        except (CaseError, NotConverged):
+            continue
+        for low, high in pairwise(sorted(known)):
+            if rate(low) * rate(high) <= 0.0:
+                found = scipy.optimize.brentq(rate, low, high, xtol=CLOSE * (high - low))
+                rate(found)
+                return known[found][1]
+    rates = ", ".join(f"{known[each][0]:.2g} at {each:.3g}" for each in sorted(known))
+    raise CaseError(
+        f"packing = {start.train.packing:g} is not allowed: the largest growth rate for m ="
+        f" {azimuthal_number}, q = {phase:.4g} does not change its sign with the packing ({rates});"
+        " allowed: a case from which it does"
+    )
 
 
 def follow_boundary(

@@ -147,7 +147,7 @@ def search_trains(
 
 
 def check_tries(most_tries: int) -> None:
-    """See to it that there is something to try.
+    """Check that there is something to try.
 
     **Raises:** `CaseError` if not.
     """
@@ -212,7 +212,9 @@ def _try(
     if min(float(np.linalg.norm(root - each)) for each in roots) < SAME:
         return SearchTry(name, attempt.steps, "came back to a known one", error, None), None
     if crosses_itself(point.state.profile):
-        return SearchTry(name, attempt.steps, "found the shape of no cell", error, None), root
+        return SearchTry(
+            name, attempt.steps, "found a shape that crosses itself", error, None
+        ), root
     base = point.base("a search by deflation")
     return SearchTry(name, attempt.steps, "found another train", error, base), root
 

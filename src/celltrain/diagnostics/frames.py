@@ -47,7 +47,9 @@ def frame(
             f" {degree} has [cell, 3, {degree**2}]"
         )
     if not np.isfinite(shapes).all():
-        raise CaseError("shapes that are not numbers are not allowed: allowed are finite ones")
+        raise CaseError(
+            "shapes with NaN or infinite coefficients are not allowed; allowed: finite ones"
+        )
     measures = _measure(_membrane(train), jnp.asarray(shapes), jnp.asarray(rates))
     measured = {name: np.asarray(each) for name, each in measures.items()}
     placed = shapes.copy()

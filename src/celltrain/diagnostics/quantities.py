@@ -1,7 +1,4 @@
-"""The quantities that a frame of a simulation consists of: name, symbol, unit, meaning, dimensions.
-
-Names differ from those of other results, so that all can go into one file.
-"""
+"""The quantities that a frame of a simulation consists of: symbol, unit, meaning, dimensions."""
 
 from celltrain.parameters.fields import symbol
 from celltrain.parameters.routing import KEPT
@@ -65,7 +62,7 @@ FRAME_QUANTITIES: dict[str, Quantity] = {
             f"W{(symbol(KEPT[modulus]) or part)[1:]}",
             "mu U r0^2",
             f"strain energy of {part} (Eq. 23), the part with the {part} modulus"
-            + (", not a number for bending moments" if part == "bending" else ""),
+            + (", NaN for bending moments" if part == "bending" else ""),
             ("cell",),
         )
         for part, modulus in ENERGY_PARTS.items()

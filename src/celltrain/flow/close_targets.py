@@ -2,7 +2,7 @@
 
 Which pairs are close is found once for a set of targets and a set of cells; every sum over the same
 cells then leaves these pairs out and adds the graded rule's integrals. Pairs are listed up to a
-capacity; if there are more, velocities are not numbers rather than wrong.
+capacity; if there are more, velocities are NaN rather than wrong.
 """
 
 import equinox as eqx

@@ -75,8 +75,8 @@ class MomentBending:
     """Bending moments for each current length, of which the transverse shear acts; no energy.
 
     M^ab = -Eb (kappa - kappa_ref)^a_c a^cb, Eq. (2) of Bryngelson & Freund (2018) as its published
-    solver has it. The shear Q^b = D_a M^ab balances the moments, and its force D_b (Q^b n), for
-    each current area, does the work
+    solver has it (RBC3D). The shear Q^b = D_a M^ab balances the moments, and its force D_b (Q^b n),
+    for each current area, does the work
 
         f . dx dA = M^ab (db_ab - b_a^c x_,c . dx_,b) dA,
 

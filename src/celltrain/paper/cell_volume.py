@@ -185,7 +185,8 @@ def volume_findings(data: xr.Dataset) -> list[Finding]:
             f"the largest with a train is {last:.3g}, the next ones that have none are"
             f" {', '.join(f'{v:.3g}' for v in largest) or 'not tried'}",
             bool(largest) and last - LARGEST_LEEWAY < LARGEST < min(largest) + 1e-9,
-            [last],
+            # Not known unless larger ones were tried.
+            [last] if largest else [],
         ),
     ]
     return found

@@ -10,6 +10,11 @@ ONLY_PAPER = "holds at M = 12 only"
 ONLY_CONVERGED = "holds converged, not at M = 12"
 FAILS = "does not hold"
 UNKNOWN = "not known"
+#: Where cases that the statement needs are not there converged.
+HOLDS_AT_PAPER, FAILS_AT_PAPER = (
+    "holds at M = 12, not computed converged",
+    ("does not hold at M = 12, not computed converged"),
+)
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,8 @@ class Compared:
     def verdict(self) -> str:
         """What both say."""
         known = [each.holds for each in (self.paper, self.converged) if each is not None]
+        if len(known) == 2 and known[0] is not None and known[1] is None:
+            return HOLDS_AT_PAPER if known[0] else FAILS_AT_PAPER
         if not known or None in known:
             return UNKNOWN
         if all(known):

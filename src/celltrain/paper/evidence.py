@@ -15,6 +15,7 @@ from celltrain.paper.figures import FIGURES
 from celltrain.paper.finding import Finding
 from celltrain.paper.resolutions import CONVERGED, PAPER, Resolutions
 from celltrain.paper.simulated import breakup_findings, early_findings
+from celltrain.paper.statements import distance_findings
 
 #: Names of kept data by resolution.
 ENDINGS = {CONVERGED: "", PAPER: "-degree-12"}
@@ -92,8 +93,9 @@ def all_parts(evidence: Evidence) -> list[Compared]:
     for figure in FIGURES.values():
         found = {key: figure.findings(each) for key, each in evidence.studies[figure.study].items()}
         parts += compared(found[PAPER], found[CONVERGED])
-    found = {key: checks.findings(each) for key, each in evidence.studies[CHECKS].items()}
-    parts += compared(found[PAPER], found[CONVERGED])
+    for name, findings in ((CHECKS, checks.findings), ("map", distance_findings)):
+        found = {key: findings(each) for key, each in evidence.studies[name].items()}
+        parts += compared(found[PAPER], found[CONVERGED])
     parts += [
         Compared(each.name, each.statement, each, None)
         for each in (

@@ -58,7 +58,7 @@ def in_paper_units(rates: xr.DataArray) -> xr.DataArray:
 
 
 def at(values: xr.DataArray, **places: float) -> xr.DataArray:
-    """Values at places on some axes, to rounding; not numbers where a study has no such place."""
+    """Values at places on some axes, to rounding; NaN where a study has no such place."""
     for name, place in places.items():
         chosen = np.flatnonzero(np.isclose(values[name], place))
         here = values.isel({name: int(chosen[0]) if chosen.size else 0}, drop=True)

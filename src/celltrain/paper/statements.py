@@ -19,6 +19,8 @@ ABOUT_FOUR = (3.0, 5.0)
 WINDOW = (0.4, 0.55)
 WINDOW_DIAMETER = 10.0
 MARGINAL = 1e-3
+#: Largest packing, and the distance in r0, of the paper's summary.
+STABLE_UP_TO, FAR = 0.6, 1e5
 #: Contours of eta that the paper draws.
 CONTOURS = (40.0, 52.0)
 #: Least and largest azimuthal number m of what is not axisymmetric.
@@ -70,6 +72,32 @@ def growth_findings(data: xr.Dataset) -> list[Finding]:
         ),
         _pattern(data, "P9", "leading", SPARSE, (1, 1), 0, "tilts all cells alike"),
         _pattern(data, "P9", "leading", DENSE, (1, 1), half, "is a wave of two cells"),
+    ]
+
+
+def distance_findings(data: xr.Dataset) -> list[Finding]:
+    """How far trains flow before a disturbance grows a thousandfold (Sec. VI), by the same study.
+
+    U_c ln(1000)/alpha: the paper's distances are those of the centre line.
+    """
+    chosen = data.where(
+        (data.packing >= WINDOW[0] - 1e-9)
+        & (data.packing <= STABLE_UP_TO + 1e-9)
+        & (data.diameter <= WINDOW_DIAMETER + 1e-9),
+        drop=True,
+    )
+    alpha = chosen["spectral_abscissa"]
+    ways = (chosen["cell_velocity"] * math.log(1e3) / alpha).where(alpha > 0.0, math.inf)
+    shortest = float(ways.min()) if ways.size else math.nan
+    return [
+        finding(
+            "P32",
+            "packing 0.4 to 0.6, D up to 10: at least 1e5 r0 before a thousandfold growth",
+            f"the shortest of {ways.size}: {shortest:.1e} r0; {int((ways > FAR).sum())} go farther"
+            " than 1e5 r0",
+            shortest > FAR,
+            alpha,
+        )
     ]
 
 

@@ -46,13 +46,13 @@ def compute(degree: int | None) -> xr.Dataset:
         {
             "velocity": (
                 (*dims, "component"),
-                np.stack([each.velocity for each in flows]),
+                np.stack([each.velocity for each in flows]).astype("float32"),
                 "U",
                 "radial and axial velocity in the frame of the cells",
             ),
             "stream_function": (
                 dims,
-                np.stack([each.stream_function for each in flows]),
+                np.stack([each.stream_function for each in flows]).astype("float32"),
                 "U r0^2",
                 "stream function, 0 on the axis",
             ),
@@ -81,8 +81,8 @@ def flow_of(data: xr.Dataset, packing: float) -> MeridionalFlow:
     return MeridionalFlow(
         at["radius"].values,
         axial,
-        at["velocity"].values,
-        at["stream_function"].values,
+        at["velocity"].values.astype(float),
+        at["stream_function"].values.astype(float),
         at["inside"].values.astype(bool),
     )
 

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from celltrain.paper import explanations as why
 from celltrain.paper.comparison import (
     FAILS,
+    FAILS_AT_PAPER,
     HOLDS,
+    HOLDS_AT_PAPER,
     ONLY_CONVERGED,
     ONLY_PAPER,
     UNKNOWN,
@@ -65,11 +67,11 @@ STATEMENTS = (
     Statement("P25", "Fig. 16b", "phi = 0.7: alpha rises with Ca as the gap falls", why.dense_flow),
     Statement("P26", "Fig. 17", "shapes for v = 0.4 to 1; repulsion below 0.61", why.shapes),
     Statement("P27", "Fig. 19a", "phi = 0.2: most unstable v about 0.55, 0.52", why.volume),
-    Statement("P28", "Fig. 19b", "phi = 0.7: alpha rises with v; none above 0.86", why.volume),
+    Statement("P28", "Fig. 19b", "phi = 0.7: alpha rises with v; none above 0.86", why.filled),
     Statement(
         "P29", "Fig. 20", "without nearest neighbours alpha falls, up to 1000-fold", why.near
     ),
-    Statement("P30", "Table I", "strain energies of four trains", why.energies),
+    Statement("P30", "Table I", "strain energies of four trains", why.table),
     Statement("P31", "V G", "all that grows at first has W > 0.6, mostly dilatation", why.energies),
     Statement("P32", "VI", "phi = 0.4 to 0.6, D <= 10: 1e5 r0 before growing 1e3-fold", why.valley),
 )
@@ -110,14 +112,13 @@ def _words(parts: Sequence[Compared], explained: Explanation) -> str:
     kinds = [each.verdict for each in parts]
     if set(kinds) == {HOLDS}:
         return HOLDS
-    counts = {kind: kinds.count(kind) for kind in (HOLDS, ONLY_PAPER, ONLY_CONVERGED, FAILS)}
+    order = (HOLDS, ONLY_PAPER, ONLY_CONVERGED, FAILS, HOLDS_AT_PAPER, FAILS_AT_PAPER, UNKNOWN)
+    counts = {kind: kinds.count(kind) for kind in order}
     if len(parts) == 1 or len(set(kinds)) == 1:
         first = kinds[0]
     else:
-        listed = ", ".join(f"{count} {kind}" for kind, count in counts.items() if count)
-        first = f"of {len(parts)} parts {listed}"
-        if UNKNOWN in kinds:
-            first += f", {kinds.count(UNKNOWN)} {UNKNOWN}"
+        listed = [f"{kind} ({count})" for kind, count in counts.items() if count]
+        first = f"{len(parts)} parts, " + ", ".join(listed)
     if not explained.reason:
         return f"{first}: why is open"
     return f"{first}: {'' if explained.shown else 'why is open; '}{explained.reason}"
@@ -149,9 +150,11 @@ def _side(found: Sequence[Finding | None]) -> str:
     known = [each for each in found if each is not None]
     if not known:
         return "not simulated"
+    if all(each.holds is None for each in known):
+        return "not computed"
     holding = sum(each.holds is True for each in known)
     if holding == len(known):
         return f"yes ({known[0].found})"
     count = "no" if holding == 0 else f"{holding} of {len(known)}"
-    failing = next(each for each in known if not each.holds)
+    failing = next((each for each in known if each.holds is False), known[0])
     return f"{count} ({failing.found})"

@@ -7,6 +7,7 @@ from typing import Any
 
 from celltrain.parameters.errors import CaseError
 from celltrain.parameters.routing import LEAVES, SCALE_LEAVES, SI_LEAVES, flatten
+from celltrain.parameters.strength import put_over
 from celltrain.parameters.train import Train
 from celltrain.parameters.usual import check_scales, check_volume
 
@@ -64,13 +65,16 @@ def merge_case(case: Mapping[str, Any], leaves: Mapping[str, Any]) -> Train:
                 'section scales is not allowed with units = "SI": give radius in section cell,'
                 " mean_velocity and plasma_viscosity in section flow"
             )
-        in_si = flatten(both, SI_LEAVES) | flatten(changes, SI_LEAVES)
+        first, second = flatten(both, SI_LEAVES), flatten(changes, SI_LEAVES)
         if not unusual:
-            check_scales({name: in_si[name] for name in SCALE_LEAVES if name in in_si})
-        train = Train.from_si(**in_si)
+            given = first | second
+            check_scales({name: given[name] for name in SCALE_LEAVES if name in given})
+        merged = put_over({}, first, si=True)
+        train = Train.from_si(**put_over(merged, second, si=True))
     else:
         scales = {"scales": both.pop("scales")} if "scales" in both else {}
-        train = Train(**(flatten(both, LEAVES) | flatten(changes, LEAVES)), **scales)
+        merged = put_over(scales, flatten(both, LEAVES))
+        train = Train(**put_over(merged, flatten(changes, LEAVES)))
     if not unusual:
         check_volume(train)
     return train

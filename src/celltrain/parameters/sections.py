@@ -148,7 +148,7 @@ class Strength(Section):
 
     capillary_number: Annotated[Real, NUMBER, Symbol(r"\mathrm{Ca}")] = Field(
         gt=0,
-        description="strength of the flow, Ca = mu U/Es, to which all moduli, as given or by"
-        " default, are changed in proportion",
+        description="strength of the flow, Ca = mu U/Es, to which all moduli of the case are"
+        " changed in proportion, in SI the mean velocity",
         json_schema_extra={"default": "as the shear modulus says"},
     )

@@ -8,9 +8,12 @@ a case is given another one by another U, all SI values staying as they are.
 from collections.abc import Mapping
 from typing import Any
 
+from celltrain.parameters.errors import CaseError
 from celltrain.parameters.routing import DIMENSIONS, KEPT
-from celltrain.parameters.scales import Scales
+from celltrain.parameters.scales import REFERENCE, Scales
 from celltrain.parameters.sections import Cell, Strength
+
+_NAME = "capillary_number"
 
 #: The numbers of a case that depend on the strength of the flow.
 DRIVEN = tuple(name for name in KEPT if DIMENSIONS[name].velocity != 0)
@@ -35,19 +38,47 @@ def weakened(leaves: Mapping[str, Any], factor: float) -> dict[str, Any]:
     }
 
 
-def with_strength(
-    leaves: Mapping[str, Any], scales: Scales, capillary_number: Any
-) -> tuple[dict[str, Any], Scales]:
-    """Leaves and scales of a case that is given a capillary number.
+def put_over(
+    leaves: Mapping[str, Any], given: Mapping[str, Any], *, si: bool = False
+) -> dict[str, Any]:
+    """A case's leaves with others put over them, on all of which a given capillary number acts.
 
-    **Raises:** `CaseError` for one that is not allowed.
+    The numbers that depend on the flow's strength change, and with them the mean velocity among
+    the scales; in SI it is only the latter.
+
+    **Arguments:** `leaves`: values by name, with `scales` among them or the reference ones;
+    `given`: the same; `si`: whether both are in SI, and the scales leaves of their own.
+
+    **Raises:** `CaseError` for a capillary number that is not allowed, or is given together with a
+    number that it changes.
     """
-    wanted = Strength(capillary_number=capillary_number).capillary_number
+    merged = {**leaves, **given}
+    if _NAME not in given:
+        return merged
+    wanted = Strength(**{_NAME: merged.pop(_NAME)}).capillary_number
+    for name in ("mean_velocity",) if si else DRIVEN:
+        if name in given:
+            raise CaseError(
+                f"{name} and {_NAME} are both given, but the latter changes the former; allowed:"
+                " one of them, or in SI all moduli with the capillary number"
+            )
+    return _stronger_in_si(merged, wanted) if si else _stronger(merged, wanted)
+
+
+def _stronger(leaves: Mapping[str, Any], wanted: float) -> dict[str, Any]:
+    known = leaves.get("scales", REFERENCE)
+    scales = known if isinstance(known, Scales) else Scales(**known)
     # Only where the moduli are allowed is there a capillary number before.
-    before = Cell(**{name: leaves[name] for name in Cell.model_fields if name in leaves})
-    factor = before.capillary_number / wanted
-    mean_velocity = scales.mean_velocity / factor
-    return (
-        {**leaves, **weakened(leaves, factor)},
-        Scales(**{**scales.model_dump(), "mean_velocity": mean_velocity}),
-    )
+    cell = Cell(**{name: leaves[name] for name in Cell.model_fields if name in leaves})
+    factor = cell.capillary_number / wanted
+    slower = {**scales.model_dump(), "mean_velocity": scales.mean_velocity / factor}
+    return {**leaves, **weakened(leaves, factor), "scales": Scales(**slower)}
+
+
+def _stronger_in_si(leaves: Mapping[str, Any], wanted: float) -> dict[str, Any]:
+    scales = Scales(**{name: leaves[name] for name in Scales.model_fields if name in leaves})
+    dimension = DIMENSIONS["shear_modulus"]
+    usual = REFERENCE.si(dimension, Cell().shear_modulus)
+    shear = scales.dimensionless(dimension, leaves.get("shear_modulus", usual))
+    before = Cell(shear_modulus=shear).capillary_number
+    return {**leaves, "mean_velocity": scales.mean_velocity * wanted / before}

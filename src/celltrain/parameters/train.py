@@ -12,7 +12,7 @@ from celltrain.parameters.resolution import Resolution, Sizes
 from celltrain.parameters.routing import DIMENSIONS, KEPT, SECTIONS, SI_LEAVES, flatten, nest
 from celltrain.parameters.scales import REFERENCE, Scales
 from celltrain.parameters.sections import Cell, Flow, Spacing, Strength, Tube
-from celltrain.parameters.strength import with_strength
+from celltrain.parameters.strength import put_over
 
 Units = Literal["dimensionless", "SI"]
 
@@ -50,12 +50,8 @@ class Train(Spacing):
     def _route(cls, given: Any) -> Any:
         given = dict(given)
         scales = {"scales": given.pop("scales")} if "scales" in given else {}
-        leaves = flatten(given)
-        for name in Strength.model_fields:
-            if name in leaves:
-                known = scales.get("scales", REFERENCE)
-                known = known if isinstance(known, Scales) else Scales(**known)
-                leaves, scales["scales"] = with_strength(leaves, known, leaves.pop(name))
+        leaves = put_over(scales, flatten(given))
+        scales = {"scales": leaves.pop("scales")} if "scales" in leaves else {}
         nested = nest(leaves)
         train = nested.pop("train")
         return {**nested, **train, **scales}
@@ -140,7 +136,7 @@ class Train(Spacing):
             CaseError: as when a train is made.
         """
         scales = leaves.pop("scales", self.scales)
-        return Train(**(self.leaves() | flatten(leaves)), scales=scales)
+        return Train(**put_over({**self.leaves(), "scales": scales}, flatten(leaves)))
 
     @classmethod
     def from_si(cls, **case: Any) -> "Train":
@@ -154,7 +150,7 @@ class Train(Spacing):
         Raises:
             CaseError: as when a train is made.
         """
-        return cls._from_si_leaves(flatten(case, SI_LEAVES))
+        return cls._from_si_leaves(put_over({}, flatten(case, SI_LEAVES), si=True))
 
     @classmethod
     def _from_si_leaves(cls, leaves: Mapping[str, Any]) -> "Train":

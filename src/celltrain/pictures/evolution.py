@@ -301,7 +301,7 @@ def draw_snapshots(
 def check_frames(
     times: Float[np.ndarray, " time"], shapes: Float[np.ndarray, "frame cell 3 coefficient"]
 ) -> None:
-    """See to it that there is a time for each frame.
+    """Check that there is a time for each frame.
 
     **Raises:** `CaseError` otherwise.
     """

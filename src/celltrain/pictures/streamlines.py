@@ -23,6 +23,8 @@ MEMBRANE, INSIDE, TURNING_COLOR, TURNING_SHADE = "#B3150F", "#E9B7AE", "#0072B2"
 # Of a line: largest length over the period, points over which it is drawn, and how near to its
 # beginning it is closed, over the radius of the tube.
 LONGEST, POINTS, CLOSED = 6.0, 400, 0.01
+#: Fluid is shaded from this part of the largest stream function on.
+SHADED = 3e-3
 
 Line = Float[np.ndarray, "2 point"]
 
@@ -40,9 +42,13 @@ class Streamlines:
     def __init__(self, flow: MeridionalFlow, outline: Float[np.ndarray, "2 point"]) -> None:
         self._flow = flow
         self.period = float(flow.axial[-1] - flow.axial[0])
-        self._velocity = scipy.interpolate.RegularGridInterpolator(
-            (flow.axial, flow.radius), flow.velocity, bounds_error=False, fill_value=None
-        )
+        # Linear, since the velocity has a kink at the membrane.
+        self._velocity = [
+            scipy.interpolate.RectBivariateSpline(
+                flow.axial, flow.radius, flow.velocity[..., component], kx=1, ky=1
+            )
+            for component in (0, 1)
+        ]
         half = outline.T
         self._cell = Outline(np.concatenate([half, half[::-1] * [-1.0, 1.0]]))
 
@@ -105,13 +111,17 @@ class Streamlines:
         end = int(np.argmax(outward <= 0.0)) + 1 if np.any(outward <= 0.0) else len(outward)
         for level in TURNING:
             across = np.interp(-level * largest, -outward[:end], flow.radius[column:][:end])
-            yield self.through(float(across), float(flow.axial[row]))
+            line = self.through(float(across), float(flow.axial[row]))
+            # What the grid does not resolve does not come round.
+            if np.hypot(*(line[:, -1] - line[:, 0])) < 3.0 * CLOSED * flow.radius[-1]:
+                yield line
 
     def _at(self, place: np.ndarray) -> tuple[float, float]:
         """Radial and axial velocity at a height and distance; the flow is periodic."""
         height = self._flow.axial[0] + np.mod(place[0] - self._flow.axial[0], self.period)
-        radial, along = self._velocity((height, min(abs(place[1]), self._flow.radius[-1])))
-        return float(radial) * (1.0 if place[1] >= 0.0 else -1.0), float(along)
+        away = min(abs(place[1]), self._flow.radius[-1])
+        radial, along = (float(each.ev(height, away)) for each in self._velocity)
+        return radial * (1.0 if place[1] >= 0.0 else -1.0), along
 
     def _inside(self, place: np.ndarray) -> bool:
         height = np.mod(place[0] + 0.5 * self.period, self.period) - 0.5 * self.period
@@ -157,14 +167,15 @@ def streamline_panel(
     whole = float(np.abs(flow.stream_function[:, -1]).max())
     passing, turning = list(lines.passing()), list(lines.turning())
     across, along = outline
-    for image in (-1, 0, 1):
+    shade = max(SHADED * float(stream.max()), 0.3 * AT_REST * whole)
+    for image in (-1, 0, 1, 2):
         for sign in (1.0, -1.0):
-            if turning:
+            if stream.max() > AT_REST * whole:
                 axes.contourf(
                     flow.axial + image * period,
                     sign * flow.radius,
                     stream.T,
-                    levels=[AT_REST * whole, np.inf],
+                    levels=[shade, np.inf],
                     colors=[TURNING_SHADE],
                     zorder=0.5,
                 )

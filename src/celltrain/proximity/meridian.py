@@ -45,7 +45,7 @@ def clearance(profile: Profile, period: float, radius: float) -> float:
 
 
 def crosses_itself(profile: Profile, points: int = 201) -> bool:
-    """Whether the meridian crosses the axis or itself, so that it is the shape of no cell."""
+    """Whether the meridian crosses the axis or itself, as no cell's does."""
     radius, axial = meridian_points(profile, points)
     if (radius[1:-1] <= 0.0).any():
         return True

@@ -161,7 +161,7 @@ def accurate(convergence: Convergence, accuracy: float) -> bool:
 
 
 def check_accuracy(accuracy: float) -> None:
-    """See to it that an accuracy can be asked for.
+    """Check that an accuracy can be asked for.
 
     **Raises:** `CaseError` if not.
     """
@@ -170,7 +170,7 @@ def check_accuracy(accuracy: float) -> None:
 
 
 def check_linearisable(train: Train, azimuthal_numbers: Sequence[int] | None) -> None:
-    """See to it that the linear dynamics of a train can be had, before anything is computed.
+    """Check that the linear dynamics of a train can be had, before anything is computed.
 
     A train that has no degree yet may get any, so its azimuthal numbers are held to the largest.
 

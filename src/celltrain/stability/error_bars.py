@@ -9,7 +9,7 @@ M' and M'' the next two degrees of the ladder (the last two below, where there i
 all with a steady train of their own. An eigenvalue is recognised in another computation, within its
 own m and q, by its vector: r, padded with zeros to the other degree, has the amplitude |l_k^H r| in
 the other's mode k (adjoint l_k, see `adjoint`), and modes are paired so that these are largest. A
-pair with an amplitude below 1/2 is none: its bar is not a number.
+pair with an amplitude below 1/2 is none: its bar is NaN.
 """
 
 import time
@@ -53,7 +53,7 @@ def with_error_bars(
     **Arguments:** `count`: how many modes; `progress`: called with (computations done, all).
 
     **Raises:** `CaseError` for a count that is not allowed. A computation that is not possible
-    leaves bars that are not numbers.
+    leaves bars of NaN.
     """
     check_count(count)
     begin = time.perf_counter()
@@ -83,7 +83,7 @@ def with_error_bars(
 
 
 def check_count(count: int) -> None:
-    """See to it that there is a mode to get a bar.
+    """Check that there is a mode to get a bar.
 
     **Raises:** `CaseError` if not.
     """

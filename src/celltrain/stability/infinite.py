@@ -227,7 +227,7 @@ def distance_to_uniform(
 
 
 def check_phases(phases: Phases) -> None:
-    """See to it that phases rise, and are 0 or from 0.001 to pi.
+    """Check that phases rise, and are 0 or from 0.001 to pi.
 
     **Raises:** `CaseError` if they do not.
     """

@@ -116,7 +116,7 @@ class SteadyProblem:
 
     def fits(self, profile: Profile) -> bool:
         """Whether a cell of this shape is clear of the wall and of its neighbours."""
-        # What is not a number does not fit.
+        # NaN does not fit.
         return bool(
             largest_radius(profile) < self.train.radius
             and streamwise_gap(profile, self.train.period) > 0.0

@@ -26,7 +26,7 @@ def least_diameter(area: float, volume: float) -> float:
 
 
 def check_room(train: Train) -> None:
-    """See to it that the cells can pass the tube, and that it has room for them.
+    """Check that the cells can pass the tube, and that it has room for them.
 
     **Raises:** `CaseError` if not, with the least diameter or the largest packing.
     """

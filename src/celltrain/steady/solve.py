@@ -47,7 +47,7 @@ def steady(
     - `start`: a solution at other parameters, followed to these ones. Its degree may differ.
     - `tolerance`: bound on the residual, in U. Where rounding does not let it be reached, the
       residual that stands is accepted below 1e-7 U, and reported.
-    - `estimate_error`: estimate the velocity's error with finer rules (else it is not a number).
+    - `estimate_error`: estimate the velocity's error with finer rules (else it is NaN).
     - `progress`: called after every iteration.
 
     **Returns:** a `Base`.
@@ -171,7 +171,7 @@ def _complaint(train: Train, followed: Followed, tolerance: float, most: int) ->
         "iterations": f"{most} iterations were not enough",
         "step": "no shorter step leads on",
         "overlap": "the cells overlap each other or the wall",
-        "no number": "the residual is not a number",
+        "no number": "the residual is NaN",
     }.get(iterated.outcome, "a way through other parameters ended")
     where = describe_change(followed.problem.train, train)
     reached = "" if followed.problem.train == train else f"; reached on the way: {where}"

@@ -59,13 +59,22 @@ class StabilityOfCase:
     def _stability(self, train: Train, start: Base | None) -> Stability:
         """From where the study says, or else from the other place."""
         first, second = (None, start) if self.computed.start == "rest" else (start, None)
-        estimate = self.computed.estimate_error
+        computed = self.computed
+
+        def analysed(start: Base | None) -> Stability:
+            return stability(
+                train,
+                start=start,
+                azimuthal_numbers=computed.azimuthal_numbers,
+                estimate_error=computed.estimate_error,
+            )
+
         try:
-            return stability(train, start=first, estimate_error=estimate)
+            return analysed(first)
         except (NotConverged, CaseError):
             if start is None:
                 raise
-            return stability(train, start=second, estimate_error=estimate)
+            return analysed(second)
 
 
 def values_of(result: Stability, analyses: Sequence[str] = ()) -> dict[str, float]:

@@ -70,6 +70,11 @@ class Computed(Section):
         description="further analyses of each case, such as mechanisms or transient, whose numbers"
         " become columns",
     )
+    azimuthal_numbers: tuple[int, ...] | None = Field(
+        default=None,
+        strict=False,
+        description="azimuthal numbers m that are looked at, all up to the degree unless given",
+    )
     start: Literal["rest", "neighbour"] = Field(
         default="rest",
         description="where a steady train is sought from first: the resting shape, or the nearest"

@@ -59,7 +59,7 @@ def rates_error(
 
     **Arguments:** `close`, `wall_gap`: as for `train_operator`.
 
-    **Returns:** not a number if a velocity is none.
+    **Returns:** NaN if a velocity is NaN.
     """
 
     def operator(train: Train) -> TrainOperator:

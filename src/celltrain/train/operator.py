@@ -60,7 +60,7 @@ class TrainOperator(eqx.Module):
     solver_tolerance: float = eqx.field(static=True)
 
     def rates(self, shapes: JaxShapes, added: JaxShapes | None = None) -> JaxShapes:
-        """v(s) = ds/dt, in U; not a number if the flow inside the cells could not be solved for.
+        """v(s) = ds/dt, in U; NaN if the flow inside the cells could not be solved for.
 
         **Arguments:** `added`: forces per solid angle beside those of the membranes, in mu U r0.
         """

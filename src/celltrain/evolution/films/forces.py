@@ -36,7 +36,7 @@ class Films:
         energy: of all films, mu U r0^2.
         force: largest sum of the forces of films on a cell, without regard to their directions,
             mu U r0.
-        forces: coefficients of the force per solid angle on the fluid, mu U r0; not numbers where
+        forces: coefficients of the force per solid angle on the fluid, mu U r0; NaN where
             membranes cross.
     """
 
