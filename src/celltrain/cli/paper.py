@@ -18,11 +18,14 @@ from celltrain.cli.compute import NOT_CONVERGED
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder
 from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
-from celltrain.paper import FIGURES, PaperFigure, findings_table, paper_study
+from celltrain.contract import load
+from celltrain.paper import FIGURES, findings_table, paper_study
+from celltrain.paper.figure_data import FigureData
 from celltrain.paper.resolutions import CONVERGED, PAPER, Resolutions
 from celltrain.paper.trains import PAPER_DEGREE
 from celltrain.parameters import CaseError
-from celltrain.results import only_writer, replace_file, save, write_dataset
+from celltrain.results import only_writer, read, replace_file, save
+from celltrain.results.labelled import Labelled
 from celltrain.study import collect
 
 Write = Callable[[Path], object]
@@ -100,7 +103,7 @@ def paper(
     with only_writer(folder):
         # Only the result itself may go to standard output.
         with redirect_stdout(sys.stderr):
-            data, files, failed = _data(chosen, run, errors, quick=quick, degree=degree)
+            data, files, failed = _data(figure, run, errors, quick=quick, degree=degree)
             findings = chosen.findings(data)
         text = findings_table(findings)
         shown = text
@@ -126,21 +129,21 @@ def _beside(resolution: str, folders: dict[str, str]) -> Resolutions:
     path = Path(folders[other]) / "study.nc"
     if not path.is_file():
         return {}
-    with xr.open_dataset(path) as data:
-        return {other: data.load()}
+    found = load(path)
+    return {other: found.data} if isinstance(found, Labelled) else {}
 
 
 def _data(
-    figure: PaperFigure, run: StudyRun, errors: Console, *, quick: bool, degree: int | None
+    name: str, run: StudyRun, errors: Console, *, quick: bool, degree: int | None
 ) -> tuple[xr.Dataset, dict[Path, Write], bool]:
     """The data of a figure, how to write the files with it, and whether a case failed."""
-    path = run.folder / "study.nc"
+    path, figure = run.folder / "study.nc", FIGURES[name]
     if figure.compute is not None:
         if path.is_file() and not run.retry:
-            with xr.open_dataset(path) as kept:
-                return kept.load(), {}, False
-        data = figure.compute(degree)
-        return data, {path: partial(write_dataset, data)}, False
+            return read(path, FigureData).data, {}, False
+        resolution = CONVERGED if degree is None else PAPER
+        data = figure.compute(degree).assign_attrs(figure=name, resolution=resolution)
+        return data, {path: partial(save, FigureData(data))}, False
     study = paper_study(figure, quick=quick, degree=degree)
     records = compute(study, run, errors)
     result = collect(study, records)

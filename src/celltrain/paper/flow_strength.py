@@ -129,7 +129,8 @@ def _of_tube(data: xr.Dataset, diameter: float) -> list[Finding]:
 
 def _share(values: xr.DataArray) -> float:
     """Share of the steps along a curve that rise."""
-    return float(np.mean(np.diff(values.values) > 0.0))
+    steps = np.diff(values.values)
+    return float(np.mean(steps > 0.0)) if steps.size else float("nan")
 
 
 def _slope(values: xr.DataArray) -> float:
