@@ -161,7 +161,10 @@ def describe_failure(failure: NotConverged, errors: Console, output: Path | None
     try:
         save(failure.last, path)
     except OSError as error:
-        errors.print(f"{str(path)!r} could not be written, with the last state: {reason(error)}")
+        words = (
+            f"celltrain: {str(path)!r} could not be written, with the last state: {reason(error)}"
+        )
+        errors.print(words, markup=False, highlight=False, soft_wrap=True)
     else:
         errors.print(f"the last state is in {path}; go on from it with --start", markup=False)
     return NOT_CONVERGED

@@ -65,11 +65,12 @@ def merge_case(case: Mapping[str, Any], leaves: Mapping[str, Any]) -> Train:
                 'section scales is not allowed with units = "SI": give radius in section cell,'
                 " mean_velocity and plasma_viscosity in section flow"
             )
-        merged = put_over({}, flatten(both, SI_LEAVES), si=True)
-        in_si = put_over(merged, flatten(changes, SI_LEAVES), si=True)
+        first, second = flatten(both, SI_LEAVES), flatten(changes, SI_LEAVES)
         if not unusual:
-            check_scales({name: in_si[name] for name in SCALE_LEAVES if name in in_si})
-        train = Train.from_si(**in_si)
+            given = first | second
+            check_scales({name: given[name] for name in SCALE_LEAVES if name in given})
+        merged = put_over({}, first, si=True)
+        train = Train.from_si(**put_over(merged, second, si=True))
     else:
         scales = {"scales": both.pop("scales")} if "scales" in both else {}
         merged = put_over(scales, flatten(both, LEAVES))
