@@ -3,7 +3,6 @@
 import errno
 import json
 import os
-import platform
 import signal
 import subprocess
 import sys
@@ -35,6 +34,7 @@ from celltrain.evolution.dynamics import Dynamics
 from celltrain.evolution.record.quantities import KEPT_OF_FRAMES, STEP_QUANTITIES
 from celltrain.evolution.record.recompute import frame_rates, pressure_drops
 from celltrain.results import remove_leftovers
+from celltrain.results.replace import beside
 from celltrain.train import place_cells
 
 DISTURBANCE = RandomDisplacement(0.2, seed=2)
@@ -345,8 +345,8 @@ def test_leftovers_of_dead_processes_are_removed(tmp_path: Path) -> None:
     path = tmp_path / "run.nc"
     process = subprocess.Popen([sys.executable, "-c", ""])
     process.wait()
-    dead = tmp_path / f".run.nc.{platform.node()}.{process.pid}.part"
-    alive = tmp_path / f".run.nc.{platform.node()}.{os.getppid()}.part"
+    dead = tmp_path / f"{beside(path)}.{process.pid}.0.part.nc"
+    alive = tmp_path / f"{beside(path)}.{os.getppid()}.3.part.nc"
     for each in (dead, alive):
         each.write_text("")
     remove_leftovers(path)

@@ -14,6 +14,7 @@ ROOMS = (
     "xla_flags",
     "environment",
     "clock",
+    "interruption",
     "runtime",
     "laws",
     "quantities",
@@ -34,8 +35,8 @@ ROOMS = (
     "evolution",
     "study",
     "pictures",
-    "analyses",
     "paper",
+    "analyses",
     "cli",
 )
 #: What the main job passes through; none of it imports JAX.

@@ -17,12 +17,12 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 import celltrain.environment  # noqa: F401  (first: what libraries read when loaded)
-from celltrain.parameters import CaseError, Train, load_case, paper_units
 
 if TYPE_CHECKING:
     from celltrain.contract import draw_all, load, show
     from celltrain.evolution.evolve import evolve, resume
     from celltrain.evolution.record.run import Run
+    from celltrain.parameters import CaseError, Train, load_case, paper_units
     from celltrain.results import save, summary
     from celltrain.stability import Mode, Stability, stability
     from celltrain.steady import Base, NotConverged, steady
@@ -55,6 +55,7 @@ __all__ = [
 _LATER = {
     "contract": ("draw_all", "load", "show"),
     "evolution": ("Run", "evolve", "resume"),
+    "parameters": ("CaseError", "Train", "load_case", "paper_units"),
     "results": ("save", "summary"),
     "stability": ("Mode", "Stability", "stability"),
     "steady": ("Base", "NotConverged", "steady"),

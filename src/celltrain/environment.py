@@ -4,17 +4,63 @@
   its threads wait for each other for longer than these take, above all on a busy machine.
 * How XLA compiles (see `xla_flags`), and the level of its own messages. JAX is not loaded here, but
   modules that use it may load it before they come to `runtime`.
+* Folders for what Numba and Matplotlib keep, where theirs cannot be used: they would end with an
+  error, or a warning.
 """
 
+import atexit
 import os
+import sys
 
 from celltrain.xla_flags import xla_flags
+
+
+class UnsuitableSetting(RuntimeError):
+    """A setting of the process or of a library with which nothing can be computed."""
+
+
+#: Whether JAX, which reads the level of messages once and sets it to 1, was loaded before.
+JAX_CAME_FIRST = "jaxlib" in sys.modules and os.environ.get("TF_CPP_MIN_LOG_LEVEL") != "3"
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["XLA_FLAGS"] = xla_flags()
 # XLA reports every cached program as compiled for "another machine", because it lists its own
 # tuning preferences among the processor's features. Set the variable to 0 to see all messages.
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
+
+
+def _cache() -> str | None:
+    """The folder for what is compiled, made if need be; None if the user has none to write to.
+
+    It is `$XDG_CACHE_HOME/celltrain` or `~/.cache/celltrain`.
+    """
+    root = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    folder = os.path.join(root, "celltrain")
+    try:
+        if not os.path.isabs(folder):  # no home
+            return None
+        os.makedirs(folder, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+def _without_home() -> None:
+    """Let libraries keep what they keep for the length of this process."""
+    import shutil
+    import tempfile
+
+    folder = tempfile.mkdtemp(prefix="celltrain-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    os.environ.setdefault("MPLCONFIGDIR", folder)
+    if not os.access(os.path.dirname(__file__), os.W_OK):
+        os.environ.setdefault("NUMBA_CACHE_DIR", folder)
+
+
+#: Folder for what is compiled, None if there is none that can be written to.
+CACHE = _cache()
+if CACHE is None:
+    _without_home()
 
 #: Environment of a process that computes in one thread, beside others that do the same.
 ONE_THREAD = {

@@ -2,8 +2,9 @@
 
 * 64-bit floats. They must be switched on before the first array exists.
 * The persistent compilation cache, so that the second run of a command does not compile again. Its
-  folder is `$JAX_COMPILATION_CACHE_DIR` if that is set, `$XDG_CACHE_HOME/celltrain` or
-  `~/.cache/celltrain` otherwise.
+  folder is `$XDG_CACHE_HOME/celltrain` or `~/.cache/celltrain`, unless the user has given JAX one;
+  that and its other settings are then left alone. Where JAX was loaded before this package it has
+  none, because XLA would write lines of warnings for each program that it holds.
 * The number of threads of the nonuniform Fourier transforms: one, because at the sizes of a train
   more of them cost more than they bring; `$CELLTRAIN_NUFFT_THREADS` sets another.
 * What JAX compiles is reported to the clock (see `clock`).
@@ -12,21 +13,52 @@ What must be said before JAX is loaded is in `environment`.
 """
 
 import os
-from pathlib import Path
+from typing import Any
 
 import jax
 from jax_finufft.options import Opts
 
 from celltrain.clock import compilation
+from celltrain.environment import CACHE, JAX_CAME_FIRST, UnsuitableSetting
+
+
+def _setting(name: str) -> Any:
+    return getattr(jax.config, name)  # of which its types do not know
 
 
 def _configure() -> None:
     jax.config.update("jax_enable_x64", True)
-    if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
-        root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-        jax.config.update("jax_compilation_cache_dir", str(root / "celltrain" / "compiled"))
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+    if _setting("jax_compilation_cache_dir") is None and CACHE is not None and not JAX_CAME_FIRST:
+        jax.config.update("jax_compilation_cache_dir", os.path.join(CACHE, "compiled"))
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.monitoring.register_event_duration_secs_listener(compilation.listen)
+
+
+def check_jax() -> None:
+    """See to it that JAX can compute what is wanted.
+
+    Raises:
+        UnsuitableSetting: if it cannot as it is set, with what to do.
+    """
+    if not _setting("jax_enable_x64"):
+        raise UnsuitableSetting(
+            "JAX was set to 32-bit floats after celltrain had set it to 64-bit ones; allowed:"
+            " jax.config.update('jax_enable_x64', True)"
+        )
+    promotion = _setting("jax_numpy_dtype_promotion")
+    if promotion != "standard":
+        raise UnsuitableSetting(
+            f"jax_numpy_dtype_promotion = {promotion!r} is not allowed;"
+            " allowed: jax.config.update('jax_numpy_dtype_promotion', 'standard')"
+        )
+    try:
+        jax.devices()
+    except RuntimeError as error:
+        platforms = _setting("jax_platforms")
+        raise UnsuitableSetting(
+            f"JAX_PLATFORMS = {platforms!r} is not allowed here ({str(error).splitlines()[0]});"
+            " allowed: cpu, or none given"
+        ) from None
 
 
 _configure()

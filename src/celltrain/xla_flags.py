@@ -1,7 +1,7 @@
 """How XLA is to compile, said before it is loaded."""
 
 import os
-from importlib.metadata import version
+from importlib.util import find_spec
 
 EMITTERS = "xla_cpu_use_fusion_emitters"
 
@@ -14,6 +14,20 @@ def xla_flags() -> str:
     that it does not know: so only for versions tried.
     """
     given = os.environ.get("XLA_FLAGS", "")
-    if EMITTERS in given or not version("jaxlib").startswith("0.10."):
+    if EMITTERS in given or not _installed("jaxlib", "0.10."):
         return given
     return f"{given} --{EMITTERS}=false".strip()
+
+
+def _installed(name: str, version: str) -> bool:
+    """Whether a package is installed in a version that begins so, by the folder of its metadata.
+
+    `importlib.metadata` takes longer to load than all else that comes before signals are heard.
+    """
+    found = find_spec(name)
+    if found is None or found.origin is None:
+        return False
+    beside = os.listdir(os.path.dirname(os.path.dirname(found.origin)))
+    return any(
+        each.startswith(f"{name}-{version}") and each.endswith(".dist-info") for each in beside
+    )

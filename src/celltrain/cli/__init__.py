@@ -1,5 +1,36 @@
 """The command line: ``celltrain stability``, ``celltrain base``, ``celltrain case``."""
 
-from celltrain.cli.app import main
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+
+from celltrain.cli.interrupts import Interrupts
+from celltrain.cli.streams import prepare_streams
 
 __all__ = ["main"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line (``sys.argv`` unless given) and return the exit status; see `app`.
+
+    Signals are listened to from here on. An interruption is told in one line, and ends the process
+    at once if the arguments are its own: what libraries do at its end may take long.
+    """
+    if arguments is None:
+        prepare_streams()
+    with Interrupts() as interrupts:
+        try:
+            from celltrain.cli.app import run  # takes long
+
+            return run(arguments)
+        except BaseException as error:
+            interrupted = isinstance(error, KeyboardInterrupt)
+            if not interrupted and interrupts.asked is None:
+                raise
+            status = interrupts.end(str(error) if interrupted else "")
+        if arguments is None:
+            with suppress(OSError, ValueError, AttributeError):
+                sys.stdout.flush()
+            os._exit(status)
+    return status

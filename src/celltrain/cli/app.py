@@ -2,8 +2,9 @@
 
 0: done; 2: bad input, with a message and nothing written; 3: the steady train did not converge,
 with its history, the last state saved, or cases of a study failed; 4: something was lost: a file or
-picture that was asked for could not be written (the result is printed), or the workers of a study
-went away; 130: interrupted.
+picture that was asked for, or standard output, could not be written (what can be kept is), the
+memory was not enough, or the workers of a study went away; 130 or 143: interrupted by SIGINT
+(Ctrl-C) or SIGTERM.
 
 Commands are imported when they are run, so that help and bad input need not wait for them.
 """
@@ -14,12 +15,12 @@ from importlib.metadata import version
 from cyclopts import App, CycloptsError
 from rich.console import Console
 
-from celltrain.cli.failure import CommandFailed
+from celltrain.cli.failure import NOT_KEPT, CommandFailed, reason
 from celltrain.contract.catalogue import first_lines
+from celltrain.environment import UnsuitableSetting
 from celltrain.parameters import CaseError
 
 BAD_INPUT = 2
-INTERRUPTED = 130
 
 #: Commands that are no analyses: function, and the first line of that function's docstring.
 OTHERS = {
@@ -65,10 +66,13 @@ for name, (place, line) in COMMANDS.items():
     app.command(f"celltrain.cli.{place}", name=name, help=line)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line (``sys.argv`` unless given) and return the exit status.
 
-    Bad input, a failure to converge and an interruption end in a message on standard error.
+    Bad input and failures end in a message on standard error.
+
+    Raises:
+        KeyboardInterrupt: with what was saved, in words.
     """
     errors = Console(stderr=True)
     try:
@@ -79,8 +83,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except CommandFailed as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
         return error.status
-    except KeyboardInterrupt as interruption:
-        kept = str(interruption) or "nothing was saved"
-        errors.print(f"celltrain: interrupted; {kept}", markup=False, soft_wrap=True)
-        return INTERRUPTED
+    except UnsuitableSetting as error:
+        errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
+        return BAD_INPUT
+    except OSError as error:
+        words = f"{error.filename or 'standard output'} cannot be used: {reason(error)}"
+        errors.print(f"celltrain: {words}", markup=False, highlight=False, soft_wrap=True)
+        return NOT_KEPT
+    except MemoryError as error:
+        words = f"the memory is not enough: {error}" if str(error) else "the memory is not enough"
+        errors.print(f"celltrain: {words}", markup=False, highlight=False, soft_wrap=True)
+        return NOT_KEPT
     return status or 0

@@ -2,13 +2,22 @@
 
 import sys
 
+from rich.console import Console
+
 from celltrain.cli.arguments import CaseFile
+from celltrain.cli.keeping import Keeper
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.parameters import merge_case, read_case
 
 
 def case(case: CaseFile = None, /, *, options: CaseOptions = None) -> int:
     """Print the complete case as TOML, dimensionless: what a computation would use."""
-    train = merge_case(read_case(case) if case else {}, given_leaves(options))
-    sys.stdout.write(train.to_toml())
-    return 0
+    content, leaves = read_case(case) if case else {}, given_leaves(options)
+    train = merge_case(content, leaves)
+    unusual = leaves.get("unusual", content.get("unusual", False))
+    keeper = Keeper(Console(stderr=True), quiet=True)
+    text = train.to_toml()
+    if unusual:
+        text = f"unusual = true\n{text}"
+    keeper.show(lambda: sys.stdout.write(text))
+    return keeper.status

@@ -1,6 +1,7 @@
 """The one way of a command that computes: from a checked case to report, file and pictures."""
 
 import json as json_module
+import os
 import sys
 from collections.abc import Mapping
 from contextlib import redirect_stdout
@@ -10,20 +11,18 @@ from typing import Any
 
 from rich.console import Console
 
+from celltrain.cli.failure import reason
+from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder, check_output, last_state_path
 from celltrain.cli.progress import Reporter
 from celltrain.contract import Analysis, load, presentation
-from celltrain.contract.files import draw_each
 from celltrain.contract.tables import titled
-from celltrain.parameters import CaseError, Train, merge_case, read_case
+from celltrain.parameters import CaseError, Train, check_volume, merge_case, read_case
 from celltrain.quantities import Record
-from celltrain.results import replace_file
 from celltrain.steady import Base, NotConverged
 
 #: Exit status of a computation that did not converge.
 NOT_CONVERGED = 3
-#: Exit status when something that was asked for could not be written; the result was printed.
-NOT_KEPT = 4
 
 
 @dataclass(frozen=True)
@@ -64,9 +63,10 @@ def run(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Any]) ->
             result = analysis.compute(train, start, reporter)
         except NotConverged as failure:
             return describe_failure(failure, errors, request.output)
-    print_result(result, as_json=request.json)
-    kept = keep(result, request, errors)
-    return analysis.status(result) or (0 if kept else NOT_KEPT)
+    keeper = Keeper(errors, quiet=request.quiet)
+    print_result(result, keeper, as_json=request.json)
+    keeper.result(result, request.output, request.plot)
+    return analysis.status(result) or keeper.status
 
 
 def read_request(request: Request, leaves: Mapping[str, Any]) -> tuple[Train, Base | None]:
@@ -98,8 +98,13 @@ def read_train(
     if case is None and start is not None:
         if leaves.get("units") == "SI":
             return merge_case(start.train.leaves("SI"), leaves)
-        changes = {name: value for name, value in leaves.items() if name != "units"}
-        return start.train.changed(**changes)
+        words = ("units", "unusual")
+        train = start.train.changed(
+            **{name: value for name, value in leaves.items() if name not in words}
+        )
+        if "profile" in leaves and not leaves.get("unusual"):
+            check_volume(train)
+        return train
     return merge_case(case or {}, leaves)
 
 
@@ -119,7 +124,7 @@ def read_result(path: Path, name: str) -> Record:
     Raises:
         CaseError: if there is no such file, or it holds no result.
     """
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise CaseError(f"{name} = {str(path)!r} cannot be read: there is no such file")
     try:
         return load(path)
@@ -127,61 +132,14 @@ def read_result(path: Path, name: str) -> Record:
         raise CaseError(f"{name} = {str(path)!r} is no result of celltrain: {error}") from None
 
 
-def print_result(result: Record, *, as_json: bool) -> None:
+def print_result(result: Record, keeper: Keeper, *, as_json: bool) -> None:
     """Print the report of a result, or its JSON."""
     shown = presentation(result.kind)
     if as_json:
-        print(json_module.dumps(shown.summary(result), indent=2, allow_nan=False))
+        text = json_module.dumps(shown.summary(result), indent=2, allow_nan=False)
+        keeper.show(lambda: print(text))
     else:
-        shown.report(result, Console())
-
-
-def keep(result: Record, request: Request, errors: Console) -> bool:
-    """Save and draw what was asked for; say what could not be, and return whether all was kept."""
-    from celltrain.results import save  # files take half a second to load
-
-    def say(message: str) -> None:
-        errors.print(message, markup=False, highlight=False, soft_wrap=True)
-
-    def tell(message: str) -> None:
-        if not request.quiet:
-            say(message)
-
-    kept = True
-    if request.output:
-        for path, each in presentation(result.kind).files(result, request.output).items():
-            try:
-                save(each, path)
-            except OSError as error:
-                say(f"celltrain: {str(path)!r} could not be written: {_reason(error)}")
-                kept = False
-            else:
-                tell(f"saved {path}")
-    if request.plot:
-        for path, failure in draw_each(result, request.plot):
-            if failure is None:
-                tell(f"drew {path}")
-            else:
-                say(f"celltrain: {str(path)!r} could not be drawn: {_reason(failure)}")
-                kept = False
-    return kept
-
-
-def keep_text(text: str, path: Path, errors: Console, *, quiet: bool) -> bool:
-    """Write a text file at once; say if it could not be written, and return whether it was."""
-    try:
-        replace_file(path, lambda part: part.write_text(text, encoding="utf-8"))
-    except OSError as error:
-        message = f"celltrain: {str(path)!r} could not be written: {_reason(error)}"
-        errors.print(message, markup=False, highlight=False, soft_wrap=True)
-        return False
-    if not quiet:
-        errors.print(f"wrote {path}", markup=False, highlight=False, soft_wrap=True)
-    return True
-
-
-def _reason(error: Exception) -> str:
-    return getattr(error, "strerror", None) or str(error) or type(error).__name__
+        keeper.show(lambda: shown.report(result, Console()))
 
 
 def describe_failure(failure: NotConverged, errors: Console, output: Path | None) -> int:
@@ -203,7 +161,7 @@ def describe_failure(failure: NotConverged, errors: Console, output: Path | None
     try:
         save(failure.last, path)
     except OSError as error:
-        errors.print(f"the last state could not be saved as {path}: {error}", markup=False)
+        errors.print(f"{str(path)!r} could not be written, with the last state: {reason(error)}")
     else:
         errors.print(f"the last state is in {path}; go on from it with --start", markup=False)
     return NOT_CONVERGED

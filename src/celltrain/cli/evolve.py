@@ -1,15 +1,14 @@
 """The command that simulates: ``celltrain evolve``.
 
 Exit status 0: the time asked for is reached; 2: bad input, nothing written; 3: the steady train did
-not converge, or the simulation could not go on (the file holds all until then); 130: interrupted by
-Ctrl-C or SIGTERM, and saved: ``--resume`` goes on with it.
+not converge, or the simulation could not go on (the file holds all until then); 4: the file could
+not be written; 130 or 143: interrupted by Ctrl-C or SIGTERM, and saved: ``--resume`` goes on with
+it.
 """
 
-import signal
 import sys
-import threading
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, redirect_stdout
+from collections.abc import Mapping
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Annotated, Any, cast
 
@@ -18,6 +17,7 @@ from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.compute import NOT_CONVERGED, Request, print_result, read_request, read_result
+from celltrain.cli.keeping import Keeper
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.outputs import check_output
 from celltrain.cli.progress import Reporter
@@ -38,10 +38,12 @@ from celltrain.evolution import (
     resume,
 )
 from celltrain.evolution import evolve as simulate
-from celltrain.evolution.checks import check_positive
+from celltrain.evolution.checks import check_not_negative, check_positive
 from celltrain.evolution.films.repulsion import RANGE, STRENGTH
+from celltrain.evolution.record.archive import Archive
 from celltrain.evolution.start import DEGREE
 from celltrain.parameters import CaseError
+from celltrain.results import only_writer
 from celltrain.stability import Stability, check_linearisable, stability
 from celltrain.steady import Base, NotConverged, steady
 
@@ -122,12 +124,18 @@ def evolve(
     """Simulate a disturbed train; the file may be read, the simulation killed and gone on with."""
     errors = Console(stderr=True)
     leaves = given_leaves(options)
-    with redirect_stdout(sys.stderr), _terminable():
+    place = _named(output)
+    check_not_negative("save_seconds", save_seconds)
+    check_positive("every", every)
+    if until is not None:
+        check_positive("until", until)
+    # Nobody else may come between looking at the file and writing it.
+    with redirect_stdout(sys.stderr), only_writer(place):
         try:
             if resume:
-                run = _go_on(source, leaves, output, until, save_seconds, errors, quiet)
+                run = _go_on(source, leaves, place, until, save_seconds, errors, quiet)
             else:
-                place = _checked_output(output, until, overwrite)
+                _check_new(place, until, overwrite)
                 integrator = (
                     RungeKuttaChebyshev(step_tolerance)
                     if euler_step is None
@@ -156,44 +164,38 @@ def evolve(
         except StepFailed as failure:
             errors.print(f"celltrain: {failure}", markup=False, highlight=False)
             return NOT_CONVERGED
-    print_result(run, as_json=json)
+    keeper = Keeper(errors, quiet=quiet)
+    print_result(run, keeper, as_json=json)
     shown = presentation(run.kind)
+    if run.ending.kind == "interrupted":
+        raise KeyboardInterrupt(Archive(place).where(run))
     if run.ending.kind != "complete":
         errors.print(
             f"celltrain: {run.ending.message}", markup=False, highlight=False, soft_wrap=True
         )
         if run.ending.kind != "not_saved":
-            errors.print(f"all until t = {run.state.time:.6g} r0/U is in {output}", markup=False)
-    return shown.status(run)
+            where = Archive(place).where(run)
+            errors.print(where, markup=False, highlight=False, soft_wrap=True)
+    return shown.status(run) or keeper.status
 
 
-@contextmanager
-def _terminable() -> Iterator[None]:
-    """Let SIGTERM, as batch systems send it, end a simulation as Ctrl-C does: saved."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
-def _checked_output(output: Path | None, until: float | None, overwrite: bool) -> Path:
-    """The file of a new simulation; nothing is computed before it is known to be possible."""
+def _named(output: Path | None) -> Path:
+    """The file of a simulation, which can be written."""
     if output is None:
         raise CaseError("output is missing: name a file (-o FILE.nc)")
+    check_output(output)
+    return output
+
+
+def _check_new(output: Path, until: float | None, overwrite: bool) -> None:
+    """See to it that a new simulation is possible, before anything is computed."""
     if until is None:
         raise CaseError("until is missing (last time, r0/U); allowed: a number > 0")
-    check_positive("until", until)
-    check_output(output)
     if output.exists() and not overwrite:
         raise CaseError(
             f"output = {str(output)!r} is not allowed: it exists; allowed: another file, or"
             " --resume, or --overwrite"
         )
-    return output
 
 
 def parse_disturbance(text: str, amplitude: float | None) -> Disturbance:
@@ -225,14 +227,12 @@ def parse_disturbance(text: str, amplitude: float | None) -> Disturbance:
 def _go_on(
     source: Path | None,
     leaves: Mapping[str, Any],
-    output: Path | None,
+    output: Path,
     until: float | None,
     save_seconds: float,
     errors: Console,
     quiet: bool,
 ) -> Run:
-    if output is None:
-        raise CaseError("output is missing: name the file to go on with (-o FILE.nc)")
     if source is not None or leaves:
         raise CaseError(
             "a case is not allowed with --resume: the simulation goes on with that of its file"

@@ -1,5 +1,8 @@
 """How a command ends that cannot do what it was asked for."""
 
+#: Exit status when something that was asked for could not be written; the result was printed.
+NOT_KEPT = 4
+
 
 class CommandFailed(RuntimeError):
     """The message to show, and the exit status that goes with it."""
@@ -7,3 +10,8 @@ class CommandFailed(RuntimeError):
     def __init__(self, message: str, status: int) -> None:
         super().__init__(message)
         self.status = status
+
+
+def reason(error: Exception) -> str:
+    """What went wrong, in the words of the system where they are its own."""
+    return getattr(error, "strerror", None) or str(error) or type(error).__name__

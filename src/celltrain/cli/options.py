@@ -74,6 +74,13 @@ def _option_class() -> type:
     )
     kind = Literal["dimensionless", "SI"] | None
     columns.append(("units", Annotated[kind, units], dataclass_field(default=None)))
+    unusual = Parameter(
+        help="Allow profiles of more than 3 times a healthy cell's volume or less than a third, and"
+        " scales in SI more than tenfold from a red blood cell's in a capillary.",
+        group=units.group,
+        negative=(),
+    )
+    columns.append(("unusual", Annotated[bool | None, unusual], dataclass_field(default=None)))
     options = make_dataclass("CaseOptions", columns, frozen=True, kw_only=True)
     options.__module__ = __name__  # cyclopts only looks into classes of modules like this one
     return options
@@ -85,7 +92,7 @@ CaseOptions: Any = Annotated[_option_class() | None, Parameter(name="*")]
 
 
 def given_leaves(options: object) -> dict[str, Any]:
-    """The leaves (and ``units``) that were given on the command line."""
+    """The leaves (and ``units``, ``unusual``) that were given on the command line."""
     if options is None:
         return {}
     names = (item.name for item in fields(cast(Any, options)))

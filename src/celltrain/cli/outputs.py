@@ -1,9 +1,11 @@
 """Where results go: checked before anything is computed, so that no result is lost."""
 
+import stat
 import tempfile
 from pathlib import Path
 
 from celltrain.parameters import CaseError
+from celltrain.results.replace import target
 
 #: Where the last state of a failed computation goes when no output file was named.
 DEFAULT_LAST = Path("celltrain-last.nc")
@@ -17,9 +19,16 @@ def check_output(path: Path, name: str = "output") -> None:
     Raises:
         CaseError: if the path is no ordinary file or its folder is not there or not writable.
     """
-    if path.exists() and not path.is_file():
-        raise CaseError(f"{name} = {str(path)!r} is not allowed: it exists and is no regular file")
-    folder = path.absolute().parent
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise CaseError(
+                f"{name} = {str(path)!r} is not allowed: it exists and is no regular file"
+            )
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except OSError as error:  # such as a name that is too long
+        raise CaseError(f"{name} = {str(path)!r} cannot be written: {error.strerror}") from None
+    folder = target(path).parent
     if not folder.is_dir():
         raise CaseError(f"{name} = {str(path)!r} cannot be written: {str(folder)!r} is no folder")
     try:  # the permission bits alone do not tell (read-only file systems, access lists)

@@ -2,6 +2,7 @@
 
 import json as json_
 import sys
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from dataclasses import asdict
 from functools import partial
@@ -14,14 +15,20 @@ from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.compute import NOT_CONVERGED
+from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder
 from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
-from celltrain.paper import FIGURES, PaperFigure, findings_table, paper_study
+from celltrain.contract import load
+from celltrain.paper import FIGURES, findings_table, paper_study
+from celltrain.paper.figure_data import FigureData
 from celltrain.paper.resolutions import CONVERGED, PAPER, Resolutions
 from celltrain.paper.trains import PAPER_DEGREE
 from celltrain.parameters import CaseError
-from celltrain.results import replace_file, save, write_dataset
+from celltrain.results import only_writer, read, replace_file, save
+from celltrain.results.labelled import Labelled
 from celltrain.study import collect
+
+Write = Callable[[Path], object]
 
 FigureName = Annotated[
     Literal[
@@ -92,26 +99,28 @@ def paper(
     folder = output or Path(f"{usual[CONVERGED]}-quick" if quick else usual[resolution])
     run = StudyRun(folder, workers, scheduler, retry, quiet)
     errors = Console(stderr=True)
-    # Only the result itself may go to standard output.
-    with redirect_stdout(sys.stderr):
-        data, written, failed = _data(chosen, run, errors, quick=quick, degree=degree)
-        findings = chosen.findings(data)
+    check_folder(folder, "output")
+    with only_writer(folder):
+        # Only the result itself may go to standard output.
+        with redirect_stdout(sys.stderr):
+            data, files, failed = _data(figure, run, errors, quick=quick, degree=degree)
+            findings = chosen.findings(data)
         text = findings_table(findings)
-        written.append(_write(text, folder / f"{figure}.md"))
+        shown = text
+        if json:
+            shown = json_.dumps([asdict(finding) for finding in findings], indent=2) + "\n"
+        keeper = Keeper(errors, quiet=quiet)
+        keeper.show(lambda: sys.stdout.write(shown))
+        for path, write in files.items():
+            keeper.file(path, write)
+        keeper.text(folder / f"{figure}.md", text)
         both: Resolutions = {resolution: data}
         if output is None and not quick:
             both |= _beside(resolution, usual)
-        written.append(chosen.draw(both, folder / f"{figure}.png"))
-        if not quiet:
-            for path in written:
-                errors.print(f"wrote {path}", highlight=False, markup=False, soft_wrap=True)
-            if chosen.needs:
-                errors.print(f"without {chosen.needs}", highlight=False, soft_wrap=True)
-    if json:
-        print(json_.dumps([asdict(finding) for finding in findings], indent=2))
-    else:
-        sys.stdout.write(text)
-    return NOT_CONVERGED if failed else 0
+        keeper.picture(folder / f"{figure}.png", lambda path: chosen.draw(both, path))
+        if chosen.needs and not quiet:
+            errors.print(f"without {chosen.needs}", highlight=False, soft_wrap=True)
+        return NOT_CONVERGED if failed else keeper.status
 
 
 def _beside(resolution: str, folders: dict[str, str]) -> Resolutions:
@@ -120,29 +129,28 @@ def _beside(resolution: str, folders: dict[str, str]) -> Resolutions:
     path = Path(folders[other]) / "study.nc"
     if not path.is_file():
         return {}
-    with xr.open_dataset(path) as data:
-        return {other: data.load()}
+    found = load(path)
+    return {other: found.data} if isinstance(found, Labelled) else {}
 
 
 def _data(
-    figure: PaperFigure, run: StudyRun, errors: Console, *, quick: bool, degree: int | None
-) -> tuple[xr.Dataset, list[Path], bool]:
-    """The data of a figure, the files with it, and whether a case failed."""
-    path = run.folder / "study.nc"
+    name: str, run: StudyRun, errors: Console, *, quick: bool, degree: int | None
+) -> tuple[xr.Dataset, dict[Path, Write], bool]:
+    """The data of a figure, how to write the files with it, and whether a case failed."""
+    path, figure = run.folder / "study.nc", FIGURES[name]
     if figure.compute is not None:
-        check_folder(run.folder, "output")
         if path.is_file() and not run.retry:
-            with xr.open_dataset(path) as kept:
-                return kept.load(), [], False
-        data = figure.compute(degree)
-        return data, [write_dataset(data, path)], False
+            return read(path, FigureData).data, {}, False
+        resolution = CONVERGED if degree is None else PAPER
+        data = figure.compute(degree).assign_attrs(figure=name, resolution=resolution)
+        return data, {path: partial(save, FigureData(data))}, False
     study = paper_study(figure, quick=quick, degree=degree)
     records = compute(study, run, errors)
     result = collect(study, records)
-    written = [save(result, path), _write(result.table(), run.folder / "table.md")]
-    return result.data, written, any(record.status == "failed" for record in records.values())
+    table = result.table()
 
+    def write(path: Path) -> None:
+        replace_file(path, lambda part: part.write_text(table, encoding="utf-8"))
 
-def _write(text: str, path: Path) -> Path:
-    replace_file(path, partial(Path.write_text, data=text))
-    return path
+    files: dict[Path, Write] = {path: partial(save, result), run.folder / "table.md": write}
+    return result.data, files, any(record.status == "failed" for record in records.values())

@@ -1,6 +1,6 @@
 """The command that draws what a file holds: ``celltrain plot``."""
 
-from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -8,11 +8,10 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from celltrain.cli.arguments import Quiet
-from celltrain.cli.compute import NOT_KEPT, read_result
-from celltrain.cli.failure import CommandFailed
+from celltrain.cli.compute import read_result
+from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder, check_output
 from celltrain.cli.progress import Reporter
-from celltrain.contract.files import draw_each
 from celltrain.evolution import Run
 from celltrain.evolution.record.recompute import frame_rates
 from celltrain.parameters import CaseError
@@ -74,7 +73,7 @@ def plot(
         check_folder(paraview, "paraview")
     folder = result.with_name(f"{result.stem}-pictures") if output is None else output
     check_folder(folder, "output")
-    errors, console = Console(stderr=True), Console()
+    errors = Console(stderr=True)
     with Reporter(errors, quiet=quiet) as reporter:
         reporter.log(
             f"pictures of a result of the kind {content.kind}"
@@ -82,31 +81,24 @@ def plot(
             else f"simulation until t = {simulation.state.time:.6g} of {simulation.until:g} r0/U,"
             f" {len(simulation.times)} frames: {simulation.ending.message}"
         )
-        kept = True
-        for path, failure in draw_each(content, folder):
-            kept &= failure is None
-            where = console if failure is None else errors
-            words = (
-                str(path) if failure is None else f"celltrain: {path} could not be drawn: {failure}"
-            )
-            where.print(words, highlight=False, markup=False, soft_wrap=True)
-        if simulation is None:
-            return 0 if kept else NOT_KEPT
-        try:
-            for path in _film(simulation, animation, paraview, reporter):
-                console.print(str(path), highlight=False, markup=False, soft_wrap=True)
-        except OSError as error:
-            raise CommandFailed(f"files could not be written: {error}", NOT_KEPT) from None
-    return 0 if kept else NOT_KEPT
+        keeper = Keeper(errors, quiet=quiet, listed=True)
+        keeper.result(content, None, folder)
+        if simulation is not None:
+            _film(simulation, animation, paraview, reporter, keeper)
+    return keeper.status
 
 
 def _film(
-    run: Run, animation: Path | None, paraview: Path | None, reporter: Reporter
-) -> Iterator[Path]:
+    run: Run, animation: Path | None, paraview: Path | None, reporter: Reporter, keeper: Keeper
+) -> None:
     """What is made of a simulation only when it is asked for."""
     if animation is not None:
-        yield animate_run(run, animation, progress=lambda *part: reporter.part("film", *part))
+        part = partial(reporter.part, "film")
+        keeper.picture(animation, lambda path: animate_run(run, path, progress=part))
     if paraview is not None:
-        rates = frame_rates(run, progress=lambda *part: reporter.part("velocities", *part))
+        rates = frame_rates(run, progress=partial(reporter.part, "velocities"))
         reporter.log("files for ParaView")
-        yield export_paraview(run.train, run.times, run.shapes, rates, paraview)
+        keeper.file(
+            paraview / "frames.pvd",
+            lambda path: export_paraview(run.train, run.times, run.shapes, rates, path.parent),
+        )

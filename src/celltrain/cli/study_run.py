@@ -18,12 +18,13 @@ from rich.progress import (
 from rich.progress import Progress as Bar
 
 from celltrain.cli.arguments import Quiet
-from celltrain.cli.failure import CommandFailed
+from celltrain.cli.failure import NOT_KEPT, CommandFailed, reason
 from celltrain.cli.options import reader
-from celltrain.cli.outputs import check_folder
+from celltrain.interruption import kept_by
 from celltrain.parameters import CaseError
 from celltrain.study import (
     CaseRecord,
+    NotKept,
     StabilityOfCase,
     Study,
     StudyProgress,
@@ -67,17 +68,30 @@ class StudyRun:
 def compute(study: Study, run: StudyRun, errors: Console) -> dict[tuple[int, ...], CaseRecord]:
     """Run or resume a study; returns the records by the cases' indices.
 
+    `run.folder` is there.
+
     Raises:
-        CaseError: for workers or a folder that are not allowed.
+        CaseError: for workers that are not allowed.
         CommandFailed, KeyboardInterrupt: with what is kept as the message.
     """
     if run.workers is not None and run.scheduler is not None:
         raise CaseError("workers and scheduler are not allowed together: give one of them")
-    check_folder(run.folder, "output")
     computation = StabilityOfCase(study.computed)
     last: list[StudyProgress] = []
+
+    def kept() -> str:
+        finished = last[0].finished if last else 0
+        return (
+            f"{finished} of {len(study.cases)} cases are finished and kept in {run.folder};"
+            " the same command goes on with the others"
+        )
+
     try:
-        with _workers(run) as workers, _shown(study, errors, quiet=run.quiet) as show:
+        with (
+            kept_by(kept),
+            _workers(run) as workers,
+            _shown(study, errors, quiet=run.quiet) as show,
+        ):
 
             def tell(progress: StudyProgress) -> None:
                 last[:] = [progress]
@@ -92,15 +106,14 @@ def compute(study: Study, run: StudyRun, errors: Console) -> dict[tuple[int, ...
                 retry=run.retry,
                 progress=tell,
             )
-    except (KeyboardInterrupt, WorkersLost) as stopped:
-        finished = last[0].finished if last else 0
-        kept = (
-            f"{finished} of {len(study.cases)} cases are finished and kept in {run.folder};"
-            " the same command goes on with the others"
-        )
+    except (KeyboardInterrupt, WorkersLost, NotKept, OSError) as stopped:
+        if isinstance(stopped, KeyboardInterrupt):
+            raise KeyboardInterrupt(kept()) from None
         if isinstance(stopped, WorkersLost):
-            raise CommandFailed(f"{stopped}; {kept}", WORKERS_LOST) from None
-        raise KeyboardInterrupt(kept) from None
+            raise CommandFailed(f"{stopped}; {kept()}", WORKERS_LOST) from None
+        raise CommandFailed(
+            f"{str(run.folder)!r} could not be written: {reason(stopped)}; {kept()}", NOT_KEPT
+        ) from None
 
 
 def _workers(run: StudyRun) -> AbstractContextManager[Workers]:

@@ -10,10 +10,12 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
-from celltrain.cli.compute import NOT_KEPT, Request, keep, keep_text
+from celltrain.cli.keeping import Keeper
+from celltrain.cli.outputs import check_folder
 from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
 from celltrain.contract import presentation
-from celltrain.study import collect, read_study
+from celltrain.results import only_writer
+from celltrain.study import Study, collect, read_study
 
 StudyFile = Annotated[Path, Parameter(help="TOML file of the study.")]
 Folder = Annotated[
@@ -45,15 +47,22 @@ def sweep(
     folder = output or Path(study.stem)
     run = StudyRun(folder, workers, scheduler, retry, quiet)
     errors = Console(stderr=True)
+    check_folder(folder, "output")
+    with only_writer(folder):
+        return _sweep(wanted, run, errors, json=json)
+
+
+def _sweep(wanted: Study, run: StudyRun, errors: Console, *, json: bool) -> int:
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr):
         records = compute(wanted, run, errors)
     result = collect(wanted, records)
     text = result.table()
+    shown = text
     if json:
-        print(json_.dumps([record.model_dump() for record in records.values()], indent=2))
-    else:
-        sys.stdout.write(text)
-    kept = keep(result, Request(output=folder / "study.nc", plot=folder, quiet=quiet), errors)
-    kept &= keep_text(text, folder / "table.md", errors, quiet=quiet)
-    return presentation(result.kind).status(result) or (0 if kept else NOT_KEPT)
+        shown = json_.dumps([each.model_dump() for each in records.values()], indent=2) + "\n"
+    keeper = Keeper(errors, quiet=run.quiet)
+    keeper.show(lambda: sys.stdout.write(shown))
+    keeper.text(run.folder / "table.md", text)
+    keeper.result(result, run.folder / "study.nc", run.folder)
+    return presentation(result.kind).status(result) or keeper.status

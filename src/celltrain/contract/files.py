@@ -7,6 +7,7 @@ from rich.console import Console
 
 from celltrain.contract.analysis import Draw
 from celltrain.contract.catalogue import kinds, presentation
+from celltrain.contract.drawing import draw_file
 from celltrain.quantities import Record
 
 
@@ -46,7 +47,7 @@ def draw_all(result: Record, folder: str | Path) -> list[Path]:
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    return [draw(folder / f"{name}.png") for name, draw in pictures(result).items()]
+    return [draw_file(draw, folder / f"{name}.png") for name, draw in pictures(result).items()]
 
 
 def draw_each(result: Record, folder: Path) -> Iterator[tuple[Path, Exception | None]]:
@@ -60,7 +61,7 @@ def draw_each(result: Record, folder: Path) -> Iterator[tuple[Path, Exception | 
     for name, draw in found.items():
         path = folder / f"{name}.png"
         try:
-            draw(path)
+            draw_file(draw, path)
         except Exception as error:  # as above: a result must not be lost for a picture
             yield path, error
         else:

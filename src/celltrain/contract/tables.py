@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from rich.table import Table
 from rich.text import Text
 
+from celltrain.parameters import relative_volume
 from celltrain.quantities import quantity_of
 from celltrain.results.version import version
 from celltrain.steady import Base
@@ -24,6 +25,9 @@ def case_line(base: Base, cells: str | None = None) -> Text:
         f"  D = {train.tube.diameter:g} r0, packing {train.packing:g}, {number},"
         f" M = {train.degree}, viscosity ratio {train.flow.viscosity_ratio:g}"
     )
+    volume = relative_volume(train)
+    if volume is not None:
+        text.append(f", cells of {volume:.3g} times a healthy cell's volume")
     return text
 
 

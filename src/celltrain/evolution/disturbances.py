@@ -47,6 +47,8 @@ class NumberedMode(Disturbance):
 
     def __post_init__(self) -> None:
         check_positive("amplitude", self.amplitude)
+        if self.number < 1:
+            raise CaseError(f"mode {self.number} is not allowed; allowed: a whole number >= 1")
 
     def shapes(self, start: Base | Stability) -> Shapes:
         """The mode as a wave exp(i q p) along the cells p, real part."""

@@ -1,11 +1,12 @@
 """Simulate a disturbed train, or go on with a simulation."""
 
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from celltrain.evolution.checks import check_positive
+from celltrain.evolution.checks import check_not_negative, check_positive
 from celltrain.evolution.disturbances import Disturbance
 from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.ending import Ending, StepFailed
@@ -20,7 +21,7 @@ from celltrain.evolution.start import at_degree
 from celltrain.evolution.wall_resolution import LARGEST, followed
 from celltrain.parameters import CaseError, Train
 from celltrain.proximity.overlaps import overlaps
-from celltrain.results import remove_leftovers
+from celltrain.results import only_writer, remove_leftovers
 from celltrain.stability import Stability
 from celltrain.steady import Base
 from celltrain.train import place_cells
@@ -70,66 +71,69 @@ def evolve(
     an interruption (Ctrl-C), an overlap, a file that can no longer be written, ...
 
     **Raises:** `CaseError` for a setting that is not allowed, a steady train with gaps within the
-    range of the repulsion, cells that overlap from the beginning, or a file that exists;
+    range of the repulsion, cells that overlap from the beginning, or a file that exists
+    or that another process is writing;
     `NotConverged` if there is no steady train; `StepFailed` if the disturbed train has no velocity
     or is too close to the wall.
     """
     check_positive("until", until)
     check_positive("every", every)
+    check_not_negative("save_seconds", save_seconds)
     place = Path(path) if path is not None else None
-    if place is not None and place.exists() and not overwrite:
-        raise CaseError(
-            f"output = {str(place)!r} is not allowed: it exists; go on with it (resume), or allow"
-            " it to be overwritten"
+    with _alone(place):
+        if place is not None and place.exists() and not overwrite:
+            raise CaseError(
+                f"output = {str(place)!r} is not allowed: it exists; go on with it (resume), or"
+                " allow it to be overwritten"
+            )
+        start = at_degree(start, degree)
+        base = start.base if isinstance(start, Stability) else start
+        change = disturbance.shapes(start)
+        film = Repulsion() if repulsion is None else repulsion
+        dynamics = train_dynamics(base, film, wall_gap=LARGEST)
+        train = base.train
+        _check_steady(dynamics, film)
+        method = RungeKuttaChebyshev() if integrator is None else integrator
+        shapes = place_cells(base.coefficients, train, train.cells) + change
+        settled = dynamics.settle(shapes)
+        met = overlaps(settled.shapes, period=train.length, radius=train.radius)
+        if met:
+            raise CaseError(f"{disturbance!r} is not allowed: {met[0]}; a smaller amplitude may be")
+        wall_gap = followed(LARGEST, dynamics.wall_distance(settled.shapes))
+        if wall_gap != dynamics.wall_gap:
+            dynamics = train_dynamics(base, film, wall_gap=wall_gap)
+        state = dynamics.state(0.0, shapes)
+        if not np.isfinite(state.rates).all():
+            raise StepFailed("not_finite", "the first shapes have no finite velocity")
+        memory = method.begin(state)
+        first = dynamics.continuous(state.shapes, state.laps) - np.asarray(dynamics.base)
+        run = Run(
+            start=start,
+            disturbance=repr(disturbance),
+            growth_rate=disturbance.growth_rate(start),
+            integrator=method,
+            repulsion=film,
+            every=float(every),
+            until=float(until),
+            history={name: np.zeros(0) for name in STEP_QUANTITIES},
+            times=np.zeros(0),
+            shapes=np.zeros((0, *shapes.shape)),
+            frames={},
+            state=state,
+            memory=memory,
+            ending=Ending("running", "not ended yet"),
         )
-    start = at_degree(start, degree)
-    base = start.base if isinstance(start, Stability) else start
-    change = disturbance.shapes(start)
-    film = Repulsion() if repulsion is None else repulsion
-    dynamics = train_dynamics(base, film, wall_gap=LARGEST)
-    train = base.train
-    _check_steady(dynamics, film)
-    method = RungeKuttaChebyshev() if integrator is None else integrator
-    shapes = place_cells(base.coefficients, train, train.cells) + change
-    settled = dynamics.settle(shapes)
-    met = overlaps(settled.shapes, period=train.length, radius=train.radius)
-    if met:
-        raise CaseError(f"{disturbance!r} is not allowed: {met[0]}; a smaller amplitude may be")
-    wall_gap = followed(LARGEST, dynamics.wall_distance(settled.shapes))
-    if wall_gap != dynamics.wall_gap:
-        dynamics = train_dynamics(base, film, wall_gap=wall_gap)
-    state = dynamics.state(0.0, shapes)
-    if not np.isfinite(state.rates).all():
-        raise StepFailed("not_finite", "the first shapes have no finite velocity")
-    memory = method.begin(state)
-    first = dynamics.continuous(state.shapes, state.laps) - np.asarray(dynamics.base)
-    run = Run(
-        start=start,
-        disturbance=repr(disturbance),
-        growth_rate=disturbance.growth_rate(start),
-        integrator=method,
-        repulsion=film,
-        every=float(every),
-        until=float(until),
-        history={name: np.zeros(0) for name in STEP_QUANTITIES},
-        times=np.zeros(0),
-        shapes=np.zeros((0, *shapes.shape)),
-        frames={},
-        state=state,
-        memory=memory,
-        ending=Ending("running", "not ended yet"),
-    )
-    march = March(
-        run,
-        dynamics,
-        _prediction(start, first),
-        archive=_archive(place),
-        save_seconds=save_seconds,
-        progress=progress,
-    )
-    beginning = Manner(size=0.0, stages=0, error=0.0, radius=float("nan"))
-    march.begin(Step(state, memory, beginning, Work(evaluations=1)))
-    return march.go(most_steps)
+        march = March(
+            run,
+            dynamics,
+            _prediction(start, first),
+            archive=_archive(place),
+            save_seconds=save_seconds,
+            progress=progress,
+        )
+        beginning = Manner(size=0.0, stages=0, error=0.0, radius=float("nan"))
+        march.begin(Step(state, memory, beginning, Work(evaluations=1)))
+        return march.go(most_steps)
 
 
 def resume(
@@ -145,29 +149,34 @@ def resume(
     On the same machine and version that holds to the last bit. Of `evolve`'s arguments only `until`
     may change; a simulation that has reached it is returned as it is.
 
-    **Raises:** `CaseError` for a file that holds no simulation or a time that lies before its end.
+    **Raises:** `CaseError` for a file that holds no simulation or that another process is writing,
+    or a time that lies before its end.
     """
-    path = Path(path)
-    try:
-        run = Run.load(path)
-    except (OSError, ValueError) as error:
-        raise CaseError(f"{str(path)!r} cannot be gone on from: {error}") from None
+    check_not_negative("save_seconds", save_seconds)
     if until is not None:
-        if not until >= run.times[-1]:
-            raise CaseError(
-                f"until = {until:g} is not allowed: {str(path)!r} has already reached"
-                f" t = {run.times[-1]:g}; allowed: >= {run.times[-1]:g}"
-            )
-        run = replace(run, until=float(until))
-    march = March(
-        run,
-        train_dynamics(run.base, run.repulsion, wall_gap=run.state.wall_gap),
-        _prediction(run.start, run.disturbances[0]),
-        archive=_archive(path),
-        save_seconds=save_seconds,
-        progress=progress,
-    )
-    return march.go(most_steps)
+        check_positive("until", until)
+    path = Path(path)
+    with _alone(path):
+        try:
+            run = Run.load(path)
+        except (OSError, ValueError) as error:
+            raise CaseError(f"{str(path)!r} cannot be gone on from: {error}") from None
+        if until is not None:
+            if not until >= run.times[-1]:
+                raise CaseError(
+                    f"until = {until:g} is not allowed: {str(path)!r} has already reached"
+                    f" t = {run.times[-1]:g}; allowed: >= {run.times[-1]:g}"
+                )
+            run = replace(run, until=float(until))
+        march = March(
+            run,
+            train_dynamics(run.base, run.repulsion, wall_gap=run.state.wall_gap),
+            _prediction(run.start, run.disturbances[0]),
+            archive=_archive(path),
+            save_seconds=save_seconds,
+            progress=progress,
+        )
+        return march.go(most_steps)
 
 
 def _check_steady(dynamics: Dynamics, repulsion: Repulsion) -> None:
@@ -178,6 +187,10 @@ def _check_steady(dynamics: Dynamics, repulsion: Repulsion) -> None:
             f"repulsion range = {repulsion.range:g} is not allowed: the steady train, which knows"
             f" no repulsion, has a gap of {gap:.4g} r0; allowed: less than that, 0 for none"
         )
+
+
+def _alone(path: Path | None) -> AbstractContextManager[None]:
+    return nullcontext() if path is None else only_writer(path)
 
 
 def _archive(path: Path | None) -> Archive | None:

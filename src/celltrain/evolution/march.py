@@ -18,12 +18,16 @@ from celltrain.evolution.record.history import Row, columns, rows, step_row
 from celltrain.evolution.record.run import Run
 from celltrain.evolution.state import State
 from celltrain.evolution.wall_resolution import followed
+from celltrain.interruption import kept_by, take
 from celltrain.proximity.overlaps import overlaps
 
 # Overlaps are looked for after at least this time (r0/U): cells pass each other at about U.
 OVERLAP_INTERVAL = 0.1
 # A save may take this part of the time since the one before.
 SAVING_SHARE = 0.05
+
+
+INTERRUPTED = Ending("interrupted", "interrupted by the user")
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,10 @@ class _Committed:
     work: Work
     steps: int
     frames: int
+
+
+def _not_saved(error: OSError) -> Ending:
+    return Ending("not_saved", f"the file could not be written: {error.strerror or error}")
 
 
 class March:
@@ -87,25 +95,40 @@ class March:
 
     def go(self, most_steps: int | None) -> Run:
         """March until the end, whatever it is; the run as it is then, saved."""
+        with kept_by(self._keep):
+            try:
+                return self._saved(self._ending(most_steps))
+            except KeyboardInterrupt:
+                take()
+                return self._saved(INTERRUPTED)
+
+    def _ending(self, most_steps: int | None) -> Ending:
         try:
             self._save()
-            ending = self._go(most_steps)
-        except KeyboardInterrupt:
-            ending = Ending("interrupted", "interrupted by the user")
+            return self._go(most_steps)
         except StepFailed as failure:
-            ending = Ending(failure.kind, str(failure))
+            return Ending(failure.kind, str(failure))
         except OSError as error:
-            ending = Ending("not_saved", f"the file could not be written: {error}")
+            return _not_saved(error)
         except (jax.errors.JaxRuntimeError, RuntimeError) as error:
-            ending = Ending("failed", f"the velocity could not be computed: {error}")
+            return Ending("failed", f"the velocity could not be computed: {error}")
+
+    def _saved(self, ending: Ending) -> Run:
         run = self._as_run(ending)
         if self._archive is not None:
             try:
                 self._archive.save(run)
             except OSError as error:
-                message = f"the file could not be written: {error}"
-                run = replace(run, ending=Ending("not_saved", message))
+                run = replace(run, ending=_not_saved(error))
         return run
+
+    def _keep(self) -> str:
+        """Save what is committed, in another thread than that which marches; where, in words."""
+        if self._archive is None:
+            return ""
+        run = self._as_run(INTERRUPTED)
+        self._archive.save(run)
+        return self._archive.where(run)
 
     def _go(self, most_steps: int | None) -> Ending:
         until, taken = self._run.until, 0

@@ -49,7 +49,7 @@ def findings_table(findings: Sequence[Finding]) -> str:
 
 def first_case(data: xr.Dataset) -> Train:
     """The first case of a study, from which the others differ by the axes' values."""
-    return merge_case(tomllib.loads(data.attrs["case"]), {})
+    return merge_case(tomllib.loads(data.attrs["case"]), {"unusual": True})
 
 
 def in_paper_units(rates: xr.DataArray) -> xr.DataArray:

@@ -12,6 +12,7 @@ from celltrain.parameters.scales import Scales
 from celltrain.parameters.sections import Cell, Flow, Tube
 from celltrain.parameters.train import Train
 from celltrain.parameters.units import PaperUnits, paper_units
+from celltrain.parameters.usual import check_volume, relative_volume
 
 __all__ = [
     "CaseError",
@@ -23,8 +24,10 @@ __all__ = [
     "Sizes",
     "Train",
     "Tube",
+    "check_volume",
     "load_case",
     "merge_case",
     "paper_units",
     "read_case",
+    "relative_volume",
 ]

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from celltrain.parameters.errors import CaseError
-from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten
+from celltrain.parameters.routing import LEAVES, SCALE_LEAVES, SI_LEAVES, flatten
 from celltrain.parameters.strength import put_over
 from celltrain.parameters.train import Train
+from celltrain.parameters.usual import check_scales, check_volume
 
 UNITS = ("dimensionless", "SI")
 
@@ -16,30 +17,46 @@ UNITS = ("dimensionless", "SI")
 def read_case(path: str | Path) -> dict[str, Any]:
     """The content of a TOML case file, not checked yet.
 
+    Names of other files in it are relative to its folder.
+
     Raises:
         CaseError: if the file cannot be read or is not TOML.
     """
     try:
-        with open(path, "rb") as file:
-            return tomllib.load(file)
+        # Some editors begin a file with a byte-order mark.
+        content = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise CaseError(f"case file {str(path)!r} cannot be read: {error.strerror}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise CaseError(f"case file {str(path)!r} is not valid TOML: {error}") from None
+    return {name: _beside(Path(path), name, each) for name, each in content.items()}
+
+
+def _beside(path: Path, name: str, value: Any) -> Any:
+    """A value of a case file, with the names of other files relative to that file's folder."""
+    if isinstance(value, Mapping):
+        return {each: _beside(path, each, inner) for each, inner in value.items()}
+    return str(path.parent / value) if name == "profile" and isinstance(value, str) else value
 
 
 def merge_case(case: Mapping[str, Any], leaves: Mapping[str, Any]) -> Train:
     """A train from the content of a case file, with leaves by name put over it.
 
-    The key ``units`` ("dimensionless", the default, or "SI") says in what units both are.
+    The key ``units`` ("dimensionless", the default, or "SI") says in what units both are, and
+    ``unusual = true`` that they mean what they say: volumes of profiles and scales in SI that are
+    no red blood cell's in a capillary are otherwise refused.
 
     Raises:
-        CaseError: as when a train is made.
+        CaseError: as when a train is made, and for what is unusual.
     """
     both = dict(case)
     changes = dict(leaves)
     units = changes.pop("units", both.pop("units", UNITS[0]))
     both.pop("units", None)
+    unusual = changes.pop("unusual", both.pop("unusual", False))
+    both.pop("unusual", None)
+    if not isinstance(unusual, bool):
+        raise CaseError(f"unusual = {unusual!r} is not allowed; allowed: true or false")
     if units not in UNITS:
         raise CaseError(f"units = {units!r} is not allowed; allowed: {' or '.join(UNITS)}")
     if units == "SI":
@@ -49,10 +66,17 @@ def merge_case(case: Mapping[str, Any], leaves: Mapping[str, Any]) -> Train:
                 " mean_velocity and plasma_viscosity in section flow"
             )
         merged = put_over({}, flatten(both, SI_LEAVES), si=True)
-        return Train.from_si(**put_over(merged, flatten(changes, SI_LEAVES), si=True))
-    scales = {"scales": both.pop("scales")} if "scales" in both else {}
-    merged = put_over(scales, flatten(both, LEAVES))
-    return Train(**put_over(merged, flatten(changes, LEAVES)))
+        in_si = put_over(merged, flatten(changes, SI_LEAVES), si=True)
+        if not unusual:
+            check_scales({name: in_si[name] for name in SCALE_LEAVES if name in in_si})
+        train = Train.from_si(**in_si)
+    else:
+        scales = {"scales": both.pop("scales")} if "scales" in both else {}
+        merged = put_over(scales, flatten(both, LEAVES))
+        train = Train(**put_over(merged, flatten(changes, LEAVES)))
+    if not unusual:
+        check_volume(train)
+    return train
 
 
 def load_case(path: str | Path, **leaves: Any) -> Train:

@@ -1,5 +1,6 @@
 """The meridian of a cell's resting shape, given point by point, as from a file."""
 
+import warnings
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -45,10 +46,11 @@ def enclosed(points: Float[np.ndarray, "point 2"]) -> float:
 
 def _read(path: Path) -> np.ndarray:
     try:
-        return np.loadtxt(path, delimiter=",", ndmin=2)
+        # Some editors begin a file with a byte-order mark; an empty one is refused by its size.
+        with open(path, encoding="utf-8-sig") as file, warnings.catch_warnings(action="ignore"):
+            return np.loadtxt(file, delimiter=",", ndmin=2)
     except OSError as error:
-        reason = error.strerror or "there is no such file"
-        raise CaseError(f"profile {str(path)!r} cannot be read: {reason}") from None
+        raise CaseError(f"profile {str(path)!r} cannot be read: {error.strerror}") from None
     except ValueError as error:
         raise CaseError(
             f"profile {str(path)!r} is not allowed: {error}; allowed: lines of two numbers,"
@@ -74,7 +76,11 @@ def _check(points: np.ndarray) -> None:
             f" allowed: {LEAST_POINTS} to {MOST_POINTS} points with 2 numbers"
         )
     if not np.isfinite(points).all():
-        raise CaseError("a profile with points that are no numbers is not allowed")
+        number = int(np.argmin(np.isfinite(points).all(axis=1)))
+        raise CaseError(
+            f"point {number + 1} of the profile, {points[number, 0]:g} and {points[number, 1]:g},"
+            " is not allowed; allowed: finite numbers"
+        )
     rho = points[:, 0]
     if np.abs(rho[[0, -1]]).max() > ON_AXIS or rho[1:-1].min() <= ON_AXIS:
         raise CaseError(

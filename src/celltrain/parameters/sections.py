@@ -127,7 +127,7 @@ class Spacing(Section):
         gt=0, description="packing fraction phi = r0 N/L"
     )
     cells: Annotated[Whole, NUMBER, Symbol("N")] = Field(
-        default=8, ge=1, description="number of cells N in the period of the train"
+        default=8, ge=1, le=10_000, description="number of cells N in the period of the train"
     )
 
 

@@ -17,6 +17,7 @@ from celltrain.diagnostics import surface_fields
 from celltrain.harmonics import mean_points, real_harmonics
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError, Train
+from celltrain.results import replace_file
 from celltrain.train import train_membrane
 
 VTK_TYPES = {"f4": "Float32", "i4": "Int32"}
@@ -90,7 +91,8 @@ def export_paraview(
     write_poly_data(_tube(train.radius, *ends), folder / "tube.vtp")
     path = folder / "frames.pvd"
     ElementTree.indent(collection)
-    ElementTree.ElementTree(collection).write(path, encoding="utf-8", xml_declaration=True)
+    words = ElementTree.tostring(collection, encoding="utf-8", xml_declaration=True)
+    replace_file(path, lambda part: part.write_bytes(words))
     return path
 
 
@@ -128,7 +130,8 @@ def write_poly_data(data: PolyData, path: Path) -> None:
     ElementTree.indent(root)
     # The bytes, which no XML writer would leave alone, go where the underscore is.
     before, after = ElementTree.tostring(root).rsplit(b"_</", 1)
-    path.write_bytes(b'<?xml version="1.0"?>\n' + before + b"_" + content + b"</" + after)
+    words = b'<?xml version="1.0"?>\n' + before + b"_" + content + b"</" + after
+    replace_file(path, lambda part: part.write_bytes(words))
 
 
 def _append(

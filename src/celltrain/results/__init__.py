@@ -6,6 +6,7 @@ What files need takes half a second to load: it is imported when it is asked for
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from celltrain.results.lock import only_writer
 from celltrain.results.plain import Plain, plain, summary
 from celltrain.results.replace import remove_leftovers, replace_file
 
@@ -34,6 +35,7 @@ __all__ = [
     "ForeignFile",
     "Plain",
     "from_dataset",
+    "only_writer",
     "plain",
     "read",
     "read_dataset",

@@ -35,9 +35,14 @@ SCALARS: dict[Any, tuple[Any, Callable[[Any], Any], Callable[[Any], Any]]] = {
     float: (float, float, float),
     complex: (complex, complex, complex),
     str: (str, str, str),
-    Train: (str, Train.to_toml, lambda text: merge_case(tomllib.loads(str(text)), {})),
+    Train: (str, Train.to_toml, lambda text: _case(str(text))),
 }
 _NOTHING = type(None)
+
+
+def _case(text: str) -> Train:
+    """A case that was computed: whether it is unusual was asked then."""
+    return merge_case(tomllib.loads(text), {"unusual": True})
 
 
 #: Variables by name: a data set, or what `to_variables` returns.

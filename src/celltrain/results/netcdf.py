@@ -80,7 +80,9 @@ def write_dataset(data: xr.Dataset, path: Path) -> Path:
     """
     # No fill values: every number is meant, and an infinite step is no gap in the data.
     encoding = {name: {"_FillValue": None} for name in data.variables}
-    replace_file(path, lambda part: data.to_netcdf(part, engine="h5netcdf", encoding=encoding))
+    # Made in memory: when the disk is full, HDF5 leaves its file open and ends the process.
+    content = data.to_netcdf(None, engine="h5netcdf", encoding=encoding)
+    replace_file(path, lambda part: part.write_bytes(content))
     return path
 
 

@@ -11,7 +11,7 @@ from celltrain.study.definition import (
     make_study,
     read_study,
 )
-from celltrain.study.engine import StudyProgress, WorkersLost, run_study
+from celltrain.study.engine import NotKept, StudyProgress, WorkersLost, run_study
 from celltrain.study.result import StudyResult
 from celltrain.study.store import CaseRecord, Store
 from celltrain.study.workers import Workers, local_workers, scheduled_workers
@@ -22,6 +22,7 @@ __all__ = [
     "CaseRecord",
     "Computation",
     "Computed",
+    "NotKept",
     "Outcome",
     "StabilityOfCase",
     "Store",

@@ -29,7 +29,7 @@ from celltrain.parameters.section import Real, Section, Whole
 from celltrain.study.columns import further
 
 #: What a study file may hold.
-PARTS = ("title", "units", "case", "axes", "compute")
+PARTS = ("title", "units", "unusual", "case", "axes", "compute")
 #: More cases than this are taken for a mistake.
 MOST_CASES = 100_000
 
@@ -165,7 +165,7 @@ def make_study(content: Mapping[str, Any]) -> Study:
         raise CaseError(f"unknown name {unknown[0]!r} in a study; allowed are: {', '.join(PARTS)}")
     parts = {name: _mapping(name, content.get(name, {})) for name in ("case", "axes", "compute")}
     units = content.get("units", "dimensionless")
-    case = {**parts["case"], "units": units}
+    case = {**parts["case"], "units": units, "unusual": content.get("unusual", False)}
     fixed = flatten(parts["case"], SI_LEAVES if units == "SI" else LEAVES)
     axes = tuple(_axis(name, given, fixed, units) for name, given in parts["axes"].items())
     if not axes:

@@ -14,8 +14,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from celltrain.parameters import Train
+from celltrain.results import only_writer
 from celltrain.steady import Base
-from celltrain.study.computation import Computation
+from celltrain.study.computation import Computation, Outcome
 from celltrain.study.definition import Case, Study
 from celltrain.study.store import CaseRecord, Store
 
@@ -23,6 +24,10 @@ from celltrain.study.store import CaseRecord, Store
 TRIES = 2
 # Seconds after which to look for new slots while no case ends.
 LOOK_AGAIN = 2.0
+
+
+class NotKept(RuntimeError):
+    """A case's result could not be written. What was written before is kept."""
 
 
 class WorkersLost(RuntimeError):
@@ -43,7 +48,10 @@ class StudyProgress:
 def compute_case(
     computation: Computation, folder: Path, train: Train, start: Train | None
 ) -> CaseRecord:
-    """Compute a case and keep what comes of it, in a worker; `start` is a finished case."""
+    """Compute a case and keep what comes of it, in a worker; `start` is a finished case.
+
+    **Raises:** `NotKept` if it cannot be written.
+    """
     store = Store(folder, computation.settings)
     with _own_locks():
         # A worker that dies takes its last answer along, if nobody has fetched it yet; the case is
@@ -53,9 +61,16 @@ def compute_case(
             return record
         try:
             base = None if start is None else _readable_base(store, start)
-            return store.finish(train, computation(train, base))
+            outcome: Outcome | str = computation(train, base)
         except Exception as error:
-            return store.fail(train, f"{type(error).__name__}: {error}")
+            outcome = f"{type(error).__name__}: {error}"
+        try:
+            if isinstance(outcome, str):
+                return store.fail(train, outcome)
+            return store.finish(train, outcome)
+        except OSError as error:
+            # Of its own type, as lost connections are errors of the system, too.
+            raise NotKept(error.strerror or str(error)) from None
 
 
 def _own_locks() -> AbstractContextManager[object]:
@@ -100,8 +115,23 @@ def run_study(
 
     **Returns:** the records by the cases' indices.
 
-    **Raises:** `WorkersLost` if the executor gives up; `OSError` if the folder cannot be written.
+    **Raises:** `CaseError` if another process writes to the folder; `WorkersLost` if the executor
+    gives up; `NotKept` or `OSError` if the folder cannot be written.
     """
+    with only_writer(folder):
+        return _run(study, folder, computation, executor, slots, retry=retry, progress=progress)
+
+
+def _run(
+    study: Study,
+    folder: Path,
+    computation: Computation,
+    executor: Executor,
+    slots: Callable[[], int],
+    *,
+    retry: bool,
+    progress: Callable[[StudyProgress], None] | None,
+) -> dict[tuple[int, ...], CaseRecord]:
     store = Store(folder, computation.settings)
     records: dict[tuple[int, ...], CaseRecord] = {}
     pending: list[Case] = []
@@ -156,6 +186,8 @@ def _settle(
     """The record of a case that has ended; None if its worker did, and this try is not the last."""
     try:
         return future.result()
+    except NotKept:
+        raise
     except CancelledError:
         raise WorkersLost("the scheduler of the workers was lost") from None
     except Exception as error:

@@ -114,5 +114,7 @@ class Store:
             },
         )
         text = record.model_dump_json(indent=2) + "\n"
-        replace_file(self._path(train, "json"), lambda part: part.write_text(text))
+        replace_file(
+            self._path(train, "json"), lambda part: part.write_text(text, encoding="utf-8")
+        )
         return record

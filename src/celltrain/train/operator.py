@@ -25,6 +25,7 @@ from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.membrane import cell_material, resting_shape
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import Train
+from celltrain.runtime import check_jax
 from celltrain.train.gmres import Iterations
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
 from celltrain.train.source_grid import SourceGrid, source_grid
@@ -249,7 +250,10 @@ def train_operator(
     - `close`: whether cells may come closer to each other or to the wall than `close_distance`.
     - `wall_gap`: smallest distance of a cell from the wall for which the wall is resolved, in r0;
       by default that of a resting cell on the axis.
+
+    **Raises:** `UnsuitableSetting` where JAX is set so that it cannot compute it.
     """
+    check_jax()
     sizes, resolution = train.sizes, train.resolution
     resting = train_membrane(train)
     target_grid = sphere_grid(sizes.degree, sizes.target_order)

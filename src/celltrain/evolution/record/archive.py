@@ -24,3 +24,7 @@ class Archive:
         **Raises:** `OSError` if it cannot be written; the old file is left as it was.
         """
         save(run, self._path)
+
+    def where(self, run: Run) -> str:
+        """How much of a simulation is where, in words."""
+        return f"all until t = {run.state.time:.6g} r0/U is in {self._path}"

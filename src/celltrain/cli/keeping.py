@@ -1,0 +1,116 @@
+"""What a command leaves behind: its result on standard output first, then files and pictures.
+
+What fails after the result was printed takes nothing of it along: it is said in one line each, and
+the command ends with the status `NOT_KEPT`. What writes is imported when it is needed.
+"""
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from celltrain.cli.failure import NOT_KEPT, reason
+
+if TYPE_CHECKING:
+    from celltrain.quantities import Record
+
+
+class Keeper:
+    """Prints and writes what is to be kept, one after another, whatever fails.
+
+    With `listed` the names of the files are the result: they go to standard output.
+    """
+
+    def __init__(self, errors: Console, *, quiet: bool, listed: bool = False) -> None:
+        self._errors, self._quiet, self._listed = errors, quiet, listed
+        self._complete = True
+
+    @property
+    def status(self) -> int:
+        """Exit status by what was kept: 0 if all was."""
+        return 0 if self._complete else NOT_KEPT
+
+    def show(self, write: Callable[[], object]) -> None:
+        """Print to standard output, which may be full, or closed by who read it."""
+        try:
+            if sys.stdout is None:
+                raise OSError("it is closed")
+            write()
+            sys.stdout.flush()
+        except OSError as error:
+            self._lost("standard output could not be written", error)
+            _drop_standard_output()
+
+    def file(self, path: Path, write: Callable[[Path], object]) -> None:
+        """Write a file by a function that raises `OSError` where it cannot."""
+        try:
+            write(path)
+        except OSError as error:
+            self._lost(f"{str(path)!r} could not be written", error)
+        else:
+            self._made("wrote", path)
+
+    def text(self, path: Path, text: str) -> None:
+        """Write a text file at once."""
+        from celltrain.results import replace_file
+
+        def write(path: Path) -> None:
+            replace_file(path, lambda part: part.write_text(text, encoding="utf-8"))
+
+        self.file(path, write)
+
+    def picture(self, path: Path, draw: Callable[[Path], Path]) -> None:
+        """Draw a picture."""
+        from celltrain.contract.drawing import draw_file
+
+        try:
+            draw_file(draw, path)
+        except Exception as error:  # whatever a library finds on this machine
+            self._drawn(path, error)
+        else:
+            self._drawn(path, None)
+
+    def result(self, result: "Record", output: Path | None, plot: Path | None) -> None:
+        """Save a result, and draw its pictures into a folder, where these are asked for."""
+        from celltrain.contract import presentation
+        from celltrain.contract.files import draw_each
+
+        if output is not None:
+            from celltrain.results import save  # files take half a second to load
+
+            for path, each in presentation(result.kind).files(result, output).items():
+                self.file(path, lambda path, each=each: save(each, path))  # type: ignore[misc]
+        if plot is not None:
+            for path, failure in draw_each(result, plot):
+                self._drawn(path, failure)
+
+    def _drawn(self, path: Path, failure: Exception | None) -> None:
+        if failure is None:
+            self._made("drew", path)
+        else:
+            self._lost(f"{str(path)!r} could not be drawn", failure)
+
+    def _made(self, how: str, path: Path) -> None:
+        if self._listed:
+            self.show(lambda: print(path))
+        elif not self._quiet:
+            self._say(f"{how} {path}")
+
+    def _lost(self, what: str, error: Exception) -> None:
+        self._complete = False
+        self._say(f"celltrain: {what}: {reason(error)}")
+
+    def _say(self, message: str) -> None:
+        self._errors.print(message, markup=False, highlight=False, soft_wrap=True)
+
+
+def _drop_standard_output() -> None:
+    """See to it that what is left in its buffer fails no second time, when the process ends."""
+    if sys.__stdout__ is None or sys.stdout is not sys.__stdout__:
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.__stdout__.fileno())
+    os.close(nowhere)
