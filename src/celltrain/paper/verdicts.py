@@ -3,7 +3,8 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from celltrain.paper import explanations as why
+from celltrain.paper import explained_curves as curves
+from celltrain.paper import explained_maps as maps
 from celltrain.paper.comparison import (
     FAILS,
     FAILS_AT_PAPER,
@@ -15,7 +16,7 @@ from celltrain.paper.comparison import (
     Compared,
 )
 from celltrain.paper.evidence import Evidence, all_parts
-from celltrain.paper.explanations import Explanation
+from celltrain.paper.explanation import Explanation
 from celltrain.paper.finding import Finding
 
 
@@ -31,49 +32,59 @@ class Statement:
 
 STATEMENTS = (
     Statement("P1", "V A, Fig. 5", "base flows are bullets, converged to 1e-4 U"),
-    Statement("P2", "III", "U/U^ in 1.244 to 1.256 over all cases", why.box),
+    Statement("P2", "III", "U/U^ in 1.244 to 1.256 over all cases", maps.box),
     Statement(
         "P3",
         "III, V",
         "M = 16 changes alpha by 1 %, twice Ed by less than 2 %, twice N by less than 1 %",
-        why.degree,
+        maps.degree,
     ),
     Statement("P4", "Fig. 3", "N = 2, lam = 5: three growing eigenvalues, most far negative"),
     Statement("P5", "Fig. 4", "v_eta follows exp(A t), below v_alpha by t = 0.2"),
-    Statement("P6", "Fig. 6", "phi = 0.2: alpha about 0.1, smaller for larger D", why.sparse_map),
-    Statement("P7", "Fig. 6", "phi = 0.7: alpha about 0.1 for all D", why.dense_map),
-    Statement("P8", "Fig. 6", "D <= 10, phi = 0.4 to 0.55: alpha < 1e-3", why.valley),
-    Statement("P9", "Fig. 6b", "phi = 0.2: all cells tilt alike; 0.7: two cells a wave", why.waves),
-    Statement("P10", "Fig. 7", "recirculation joins, stagnates, is small as phi rises", why.flow),
-    Statement("P11", "Fig. 8", "eta varies by about 4, rising with D and phi", why.initial),
-    Statement("P12", "Fig. 8b", "v_eta: waves of two and of four cells", why.patterns),
-    Statement("P13", "V B 2", "eta independent of N; tenfold after 0.4 D; gone by D", why.early),
+    Statement("P6", "Fig. 6", "phi = 0.2: alpha about 0.1, smaller for larger D", maps.sparse_map),
+    Statement("P7", "Fig. 6", "phi = 0.7: alpha about 0.1 for all D", maps.dense_map),
+    Statement("P8", "Fig. 6", "D <= 10, phi = 0.4 to 0.55: alpha < 1e-3", maps.valley),
+    Statement(
+        "P9", "Fig. 6b", "phi = 0.2: all cells tilt alike; 0.7: two cells a wave", maps.waves
+    ),
+    Statement("P10", "Fig. 7", "recirculation joins, stagnates, is small as phi rises", maps.flow),
+    Statement("P11", "Fig. 8", "eta varies by about 4, rising with D and phi", maps.initial),
+    Statement("P12", "Fig. 8b", "v_eta: waves of two and of four cells", maps.patterns),
+    Statement("P13", "V B 2", "eta independent of N; tenfold after 0.4 D; gone by D", maps.early),
     Statement("P14", "Fig. 9", "eps = 0.1 in v_eta leads to no nonlinear growth"),
     Statement("P15", "Fig. 10", "the spectrum of v_alpha decays faster than that of v_eta"),
     Statement(
         "P16",
         "Fig. 11",
         "theory holds until eps_x = 0.5 and 5; ad hoc takes 2.7 and 4.3 times longer",
-        why.ad_hoc,
+        maps.ad_hoc,
     ),
     Statement("P17", "Fig. 12", "rotation by t = 61, breakup by 97"),
     Statement("P18", "Fig. 1", "N = 8 stays in order, N = 12 breaks up"),
-    Statement("P19", "Fig. 13a", "eta halves from lam = 1 to 5", why.halving),
-    Statement("P20", "Fig. 13b", "alpha about 4 times larger at lam = 5, dense", why.viscosity),
-    Statement("P21", "Fig. 14", "phi = 0.2: + 10 % to lam = 20, then a plateau", why.viscosity),
-    Statement("P22", "Fig. 14", "phi = 0.7: lam about 1 most stable, plateau", why.viscosity),
-    Statement("P23", "Fig. 14", "tumbling rises with lam; tank-treading as it falls", why.turning),
-    Statement("P24", "Fig. 16a", "phi = 0.2: alpha halves from Ca = 1 to 10", why.strength),
-    Statement("P25", "Fig. 16b", "phi = 0.7: alpha rises with Ca as the gap falls", why.dense_flow),
-    Statement("P26", "Fig. 17", "shapes for v = 0.4 to 1; repulsion below 0.61", why.shapes),
-    Statement("P27", "Fig. 19a", "phi = 0.2: most unstable v about 0.55, 0.52", why.volume),
-    Statement("P28", "Fig. 19b", "phi = 0.7: alpha rises with v; none above 0.86", why.filled),
+    Statement("P19", "Fig. 13a", "eta halves from lam = 1 to 5", curves.halving),
+    Statement("P20", "Fig. 13b", "alpha about 4 times larger at lam = 5, dense", curves.viscosity),
+    Statement("P21", "Fig. 14", "phi = 0.2: + 10 % to lam = 20, then a plateau", curves.viscosity),
+    Statement("P22", "Fig. 14", "phi = 0.7: lam about 1 most stable, plateau", curves.viscosity),
     Statement(
-        "P29", "Fig. 20", "without nearest neighbours alpha falls, up to 1000-fold", why.near
+        "P23", "Fig. 14", "tumbling rises with lam; tank-treading as it falls", curves.turning
     ),
-    Statement("P30", "Table I", "strain energies of four trains", why.table),
-    Statement("P31", "V G", "all that grows at first has W > 0.6, mostly dilatation", why.energies),
-    Statement("P32", "VI", "phi = 0.4 to 0.6, D <= 10: 1e5 r0 before growing 1e3-fold", why.valley),
+    Statement("P24", "Fig. 16a", "phi = 0.2: alpha halves from Ca = 1 to 10", curves.strength),
+    Statement(
+        "P25", "Fig. 16b", "phi = 0.7: alpha rises with Ca as the gap falls", curves.dense_flow
+    ),
+    Statement("P26", "Fig. 17", "shapes for v = 0.4 to 1; repulsion below 0.61", curves.shapes),
+    Statement("P27", "Fig. 19a", "phi = 0.2: most unstable v about 0.55, 0.52", curves.volume),
+    Statement("P28", "Fig. 19b", "phi = 0.7: alpha rises with v; none above 0.86", curves.filled),
+    Statement(
+        "P29", "Fig. 20", "without nearest neighbours alpha falls, up to 1000-fold", curves.near
+    ),
+    Statement("P30", "Table I", "strain energies of four trains", curves.table),
+    Statement(
+        "P31", "V G", "all that grows at first has W > 0.6, mostly dilatation", curves.energies
+    ),
+    Statement(
+        "P32", "VI", "phi = 0.4 to 0.6, D <= 10: 1e5 r0 before growing 1e3-fold", maps.valley
+    ),
 )
 
 
