@@ -5,17 +5,23 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, load, save, steady
+from celltrain.analyses.base import SteadyTrain
 from celltrain.cli import main
+from celltrain.cli.app import OTHERS
+from celltrain.cli.computations import settings_class
 from celltrain.continuation import BoundaryPoint, CurveEnding, StabilityBoundary
 from celltrain.contract import (
     OfStability,
+    Setting,
     Silent,
     analysis_named,
     commands,
@@ -23,6 +29,7 @@ from celltrain.contract import (
     kinds,
     presentation,
 )
+from celltrain.contract.catalogue import TAKEN
 from celltrain.contract.documentation import page
 from celltrain.stability import Stability
 from celltrain.stability.infinite import WaveMode
@@ -297,3 +304,63 @@ def test_pictures_are_named_alike(make_base: Callable[..., Base], tmp_path: Path
 def test_a_steady_train_goes_on_from_any_result(coarse_stability: Stability) -> None:
     again = steady(coarse_stability.base.train, start=coarse_stability.base)
     assert np.allclose(again.coefficients, coarse_stability.base.coefficients, atol=1e-8)
+
+
+def test_a_case_file_in_si_has_both_ends_of_a_branch_in_si(
+    coarse_base: Base, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from celltrain.analyses import branch as command
+    from celltrain.continuation import Branch, BranchPoint
+
+    asked: list[tuple[float, float]] = []
+
+    def follow(base: Base, along: str, *, to: float, **_: object) -> Branch:
+        asked.append((base.train.leaf(along), to))
+        return Branch(along, (BranchPoint(base, 1.0, 1.0, None),), CurveEnding("enough", "enough"))
+
+    monkeypatch.setattr(command, "steady", lambda train, **_: replace(coarse_base, train=train))
+    monkeypatch.setattr(command, "follow", follow)
+    path = tmp_path / "si.toml"
+    path.write_text('units = "SI"\n[tube]\ndiameter = 16.8e-6\n[train]\npacking = 0.3\n')
+    ends = ["--along", "diameter", "--from", "17.36e-6", "--to", "18.2e-6"]
+    assert main(["branch", str(path), "--degree", "6", *ends, "--quiet"]) == 0
+    assert_allclose(asked, [(6.2, 6.5)])
+
+
+def test_names_that_are_taken(tmp_path: Path) -> None:
+    assert set(TAKEN) == set(OTHERS)
+    (tmp_path / "show.py").write_text(OWN)
+    (tmp_path / "bytes.py").write_bytes(b"\xff\xfe\x00class")
+    folders = os.pathsep.join([str(tmp_path), str(tmp_path / "nowhere")])
+    program = "import sys; from celltrain.cli import main; sys.exit(main())"
+    done = subprocess.run(
+        [sys.executable, "-c", program, "show", "missing.nc"],
+        env=os.environ | {"CELLTRAIN_ANALYSES": folders},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "there is a command or a kind of result 'show'" in done.stderr
+    assert "nowhere' is not there" in done.stderr
+    assert "file = 'missing.nc' cannot be read" in done.stderr
+
+
+def test_settings_of_ones_own_that_are_wrong_are_told() -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Plain(SteadyTrain):
+        """Without a setting."""
+
+        on: bool = True
+
+    with pytest.raises(TypeError, match="'on' has no Setting"):
+        settings_class(Plain)
+
+    @dataclass(frozen=True, kw_only=True)
+    class Taken(SteadyTrain):
+        """With the name of an option of every case."""
+
+        tolerance: Annotated[float, Setting("How exactly.")] = 1.0
+
+    with pytest.raises(TypeError, match="'tolerance' is an option already"):
+        settings_class(Taken)

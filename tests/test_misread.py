@@ -146,7 +146,7 @@ EVOLVE = ["evolve", "--diameter", "6", "--packing", "0.2", "-o", "run.nc"]
         ([*CASE, "--cells", "1" + 23 * "0"], "a whole number 1 to 10000"),
         (["base", *CASE[1:], "-o", "n" * 300], "File name too long"),
         (["show", "n" * 300], "there is no such file"),
-        (["show", "empty.nc"], "'empty.nc' is no result of celltrain"),
+        (["show", "empty.nc"], "'empty.nc' is not a result of celltrain"),
     ],
 )
 def test_each_has_one_clear_line(words, said, tmp_path: Path, monkeypatch, capsys) -> None:

@@ -126,7 +126,7 @@ def test_the_command_draws_results_beside_their_files(make_base, tmp_path: Path,
     [
         (["{}/none.nc"], ["none.nc", "no such file"]),
         (["{}"], ["no such file"]),
-        (["{}/text.nc"], ["text.nc", "is no result of celltrain"]),
+        (["{}/text.nc"], ["text.nc", "is not a result of celltrain"]),
         (["{}/base.nc", "--animation", "{}/film.gif"], ["film.gif", "holds no simulation"]),
         (["{}/base.nc", "--paraview", "{}/view"], ["view", "holds no simulation"]),
         (["{}/base.nc", "-o", "{}/text.nc"], ["output", "text.nc", "cannot be used"]),

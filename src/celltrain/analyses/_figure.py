@@ -10,6 +10,7 @@ from celltrain.paper import FIGURES, findings_table
 from celltrain.paper.figure_data import FigureData
 from celltrain.parameters import CaseError
 from celltrain.results import Plain, plain
+from celltrain.results.version import version
 
 
 class FigurePresentation(Presentation[FigureData]):
@@ -37,6 +38,7 @@ class FigurePresentation(Presentation[FigureData]):
         """The statements beside what was found."""
         findings = FIGURES[result.figure].findings(result.data)
         return {
+            "version": version(),
             "kind": result.kind,
             "figure": result.figure,
             "findings": [plain(vars(finding)) for finding in findings],

@@ -7,7 +7,8 @@ from rich.console import Console
 
 from celltrain.contract import Draw, Presentation
 from celltrain.parameters import CaseError
-from celltrain.results import Plain
+from celltrain.results import Plain, plain
+from celltrain.results.version import version
 from celltrain.study import StudyResult
 
 
@@ -36,7 +37,9 @@ class StudyPresentation(Presentation[StudyResult]):
     @classmethod
     def summary(cls, result: StudyResult) -> dict[str, Plain]:
         """The table's content by columns."""
-        return {"kind": result.kind, **result.data.to_dict(encoding=False)}
+        content = plain(result.data.to_dict(encoding=False))
+        assert isinstance(content, dict)
+        return {"version": version(), "kind": result.kind, **content}
 
     @classmethod
     def pictures(cls, result: StudyResult) -> Mapping[str, Draw]:

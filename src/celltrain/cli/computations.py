@@ -9,10 +9,15 @@ from cyclopts import Group, Parameter
 
 from celltrain.cli.arguments import CaseFile, Json, Output, Plot, Quiet, Start
 from celltrain.cli.compute import Request, run
-from celltrain.cli.options import CaseOptions, given_leaves, reader
+from celltrain.cli.options import OPTIONS, CaseOptions, given_leaves, reader
 from celltrain.contract import Analysis, Setting, analysis_named
 
 Command = Callable[..., int]
+#: Options of every command, which no setting may take.
+_RESERVED = {
+    *(each.name for each in fields(OPTIONS)),
+    *("case", "start", "output", "plot", "json", "quiet"),
+}
 
 
 def __getattr__(name: str) -> Command:
@@ -59,26 +64,32 @@ def settings_class(analysis: type[Analysis[Any]]) -> type[Any]:
     group = Group("Analysis", sort_key=1)
     columns: list[tuple[str, Any, Any]] = []
     for each in fields(cast(Any, analysis)):
-        kind, setting = get_args(hints[each.name])
+        kind, *notes = get_args(hints[each.name]) or (None,)
+        setting = next((note for note in notes if isinstance(note, Setting)), None)
+        if setting is None:
+            raise TypeError(f"{analysis.__name__}: the field {each.name!r} has no Setting")
+        if each.name in _RESERVED:
+            raise TypeError(f"{analysis.__name__}: the setting {each.name!r} is an option already")
         default = {} if each.default is MISSING else {"default": each.default}
-        parameter = _parameter(kind, setting, group)
+        parameter = _parameter(kind, setting, group, each.default)
         columns.append((each.name, Annotated[_shown(kind), parameter], dataclass_field(**default)))
     made = make_dataclass(f"{analysis.__name__}Options", columns, frozen=True, kw_only=True)
     made.__module__ = __name__  # cyclopts only looks into classes of modules like this one
     return made
 
 
-def _parameter(kind: Any, setting: Setting, group: Group) -> Parameter:
+def _parameter(kind: Any, setting: Setting, group: Group, default: Any) -> Parameter:
     inner = _inner(kind)
     converter = None
     if inner in (int, float):
         converter = reader(inner, f"allowed: {setting.allowed or 'numbers'}")
     return Parameter(
         name=f"--{setting.option}" if setting.option else None,
-        help=setting.help,
+        help=f"{setting.help} (allowed: {setting.allowed})" if setting.allowed else setting.help,
         group=group,
         converter=converter,
-        negative=(),
+        # What is on by default must have a way to be switched off.
+        negative=None if default is True else (),
         consume_multiple=_is_sequence(kind),
     )
 

@@ -18,6 +18,7 @@ from celltrain.cli.progress import Reporter
 from celltrain.contract import Analysis, load, presentation
 from celltrain.contract.tables import titled
 from celltrain.parameters import CaseError, Train, check_volume, merge_case, read_case
+from celltrain.parameters.train import Units
 from celltrain.quantities import Record
 from celltrain.steady import Base, NotConverged
 
@@ -43,8 +44,8 @@ def run(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Any]) ->
     Raises:
         CaseError: for anything in the request that is not allowed, before computing.
     """
-    train, start = read_request(request, {**leaves, **analysis.leaves()})
-    if leaves.get("units") == "SI":
+    train, start, units = read_request(request, {**leaves, **analysis.leaves()})
+    if units == "SI":
         analysis = analysis.dimensionless(train.scales)
     analysis.check(train)
     if request.output:
@@ -69,22 +70,27 @@ def run(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Any]) ->
     return analysis.status(result) or keeper.status
 
 
-def read_request(request: Request, leaves: Mapping[str, Any]) -> tuple[Train, Base | None]:
-    """The case that a request means, and the steady train to start from if there is one.
+def read_request(request: Request, leaves: Mapping[str, Any]) -> tuple[Train, Base | None, Units]:
+    """The case that a request means, the steady train to start from if there is one, and the units.
+
+    These are those of the options, or else of the case file.
 
     Raises:
         CaseError: for what is not allowed.
     """
     case, start = request.case, request.start
-    if case is not None and case.suffix == ".nc":
+    name = "start"
+    if case is not None and case.suffix.lower() == ".nc":
         if start is not None:
             raise CaseError(
                 f"case = {str(case)!r} is not allowed with start = {str(start)!r}: both hold a"
                 " steady train; allowed: one of them, or a case file (.toml)"
             )
-        case, start = None, case
-    known = read_start(start) if start else None
-    return read_train(read_case(case) if case else None, known, leaves), known
+        case, start, name = None, case, "case"
+    known = read_start(start, name) if start else None
+    content = read_case(case) if case else None
+    units = leaves.get("units", (content or {}).get("units", "dimensionless"))
+    return read_train(content, known, leaves), known, units
 
 
 def read_train(
@@ -108,13 +114,13 @@ def read_train(
     return merge_case(case or {}, leaves)
 
 
-def read_start(path: Path) -> Base:
-    """The steady train in a result file.
+def read_start(path: Path, name: str) -> Base:
+    """The steady train in a result file; `name` is that of the option in messages.
 
     Raises:
         CaseError: if there is none.
     """
-    result = read_result(path, "start")
+    result = read_result(path, name)
     return presentation(result.kind).steady_train(result)
 
 
@@ -129,7 +135,7 @@ def read_result(path: Path, name: str) -> Record:
     try:
         return load(path)
     except (OSError, ValueError) as error:
-        raise CaseError(f"{name} = {str(path)!r} is no result of celltrain: {error}") from None
+        raise CaseError(f"{name} = {str(path)!r} is not a result of celltrain: {error}") from None
 
 
 def print_result(result: Record, keeper: Keeper, *, as_json: bool) -> None:
@@ -144,7 +150,8 @@ def print_result(result: Record, keeper: Keeper, *, as_json: bool) -> None:
 
 def describe_failure(failure: NotConverged, errors: Console, output: Path | None) -> int:
     """Say why there is no steady train, keep the last state; return the exit status."""
-    errors.print(f"not converged: {failure}", markup=False, highlight=False)
+    words = f"celltrain: not converged: {failure}"
+    errors.print(words, markup=False, highlight=False, soft_wrap=True)
     table = titled("", "iteration", "method", "residual, U", "step, r0/U", "cell velocity, U")
     for number, iteration in enumerate(failure.history, 1):
         table.add_row(
@@ -166,5 +173,10 @@ def describe_failure(failure: NotConverged, errors: Console, output: Path | None
         )
         errors.print(words, markup=False, highlight=False, soft_wrap=True)
     else:
-        errors.print(f"the last state is in {path}; go on from it with --start", markup=False)
+        train = failure.last.train
+        words = (
+            f"the last state is in {path} (diameter {train.tube.diameter:.6g}, packing"
+            f" {train.packing:.6g}); repeat the command with --start {path} to go on from there"
+        )
+        errors.print(words, markup=False, highlight=False, soft_wrap=True)
     return NOT_CONVERGED

@@ -216,7 +216,7 @@ def parse_disturbance(text: str, amplitude: float | None) -> Disturbance:
         )
     if text == "random":
         return RandomDisplacement(size)
-    if Path(text).suffix in (".nc", ".npy"):
+    if Path(text).suffix.lower() in (".nc", ".npy"):
         return FromFile(Path(text), amplitude)
     raise CaseError(
         f"disturbance = {text!r} is not allowed; allowed: leading, mode:NUMBER, transient, random,"
@@ -238,7 +238,7 @@ def _go_on(
             "a case is not allowed with --resume: the simulation goes on with that of its file"
         )
     if not output.is_file():
-        raise CaseError(f"output = {str(output)!r} cannot be gone on with: there is no such file")
+        raise CaseError(f"output = {str(output)!r} cannot be resumed: there is no such file")
     with SimulationReporter(errors, quiet=quiet) as reporter:
         return resume(output, until=until, save_seconds=save_seconds, progress=reporter.step)
 
@@ -251,7 +251,7 @@ def _start(
     quiet: bool,
 ) -> tuple[Base | Stability, int]:
     """What the simulation starts from, and its degree: read if it is there, computed otherwise."""
-    train, base = read_request(Request(case=source), leaves)
+    train, base, _ = read_request(Request(case=source), leaves)
     # A file's degree is that of its own computation; simulations have theirs.
     given = train.resolution.degree if base is None else leaves.get("degree")
     degree = DEGREE if given is None else int(given)

@@ -86,9 +86,10 @@ def _option_class() -> type:
     return options
 
 
-#: A frozen dataclass with one optional field for each leaf, for cyclopts to read options into;
-#: None when no option was given.
-CaseOptions: Any = Annotated[_option_class() | None, Parameter(name="*")]
+#: A frozen dataclass with one optional field for each leaf, for cyclopts to read options into.
+OPTIONS: Any = _option_class()
+#: The same as an argument; None when no option was given.
+CaseOptions: Any = Annotated[OPTIONS | None, Parameter(name="*")]
 
 
 def given_leaves(options: object) -> dict[str, Any]:

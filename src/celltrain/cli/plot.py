@@ -12,6 +12,7 @@ from celltrain.cli.compute import read_result
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder, check_output
 from celltrain.cli.progress import Reporter
+from celltrain.contract.files import pictures
 from celltrain.evolution import Run
 from celltrain.evolution.record.recompute import frame_rates
 from celltrain.parameters import CaseError
@@ -71,6 +72,11 @@ def plot(
         check_output(animation, "animation")
     if paraview is not None:
         check_folder(paraview, "paraview")
+    if not pictures(content):
+        raise CaseError(
+            f"file = {str(result)!r} is not allowed: nothing of it is drawn (a study is where it has"
+            " one or two axes of numbers)"
+        )
     folder = result.with_name(f"{result.stem}-pictures") if output is None else output
     check_folder(folder, "output")
     errors = Console(stderr=True)
@@ -78,7 +84,7 @@ def plot(
         reporter.log(
             f"pictures of a result of the kind {content.kind}"
             if simulation is None
-            else f"simulation until t = {simulation.state.time:.6g} of {simulation.until:g} r0/U,"
+            else f"simulation until t = {simulation.times[-1]:.6g} of {simulation.until:g} r0/U,"
             f" {len(simulation.times)} frames: {simulation.ending.message}"
         )
         keeper = Keeper(errors, quiet=quiet, listed=True)

@@ -5,6 +5,7 @@ Names and first lines of help are known without importing any of them.
 
 import ast
 import inspect
+import sys
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -16,15 +17,30 @@ if TYPE_CHECKING:
     from celltrain.contract.analysis import Analysis, Presentation
 
 
+#: Commands that are no analyses, after which none can be named.
+TAKEN = ("case", "evolve", "paper", "plot", "show", "sweep")
+
+
 @cache
 def _files() -> dict[str, Path]:
     """The file of each kind of result; the package's own come first."""
     found: dict[str, Path] = {}
     for folder in analyses.__path__:
+        if not Path(folder).is_dir():
+            _warn(f"the folder {folder!r} is not there")
         for path in sorted(Path(folder).glob("*.py")):
-            if path.stem != "__init__":
-                found.setdefault(path.stem.removeprefix("_"), path)
+            name = path.stem.removeprefix("_")
+            if path.stem == "__init__":
+                continue
+            if name in found or name in TAKEN:
+                _warn(f"{path} is left out: there is a command or a kind of result {name!r}")
+                continue
+            found[name] = path
     return dict(sorted(found.items()))
+
+
+def _warn(message: str) -> None:
+    print(f"celltrain: CELLTRAIN_ANALYSES: {message}", file=sys.stderr)
 
 
 def kinds() -> tuple[str, ...]:
@@ -81,24 +97,28 @@ def presentation(kind: str) -> "type[Presentation[Any]]":
         and each.__module__ == module.__name__
         and not inspect.isabstract(each)
     ]
-    if len(found) != 1 or found[0].result.kind != kind:
+    if len(found) != 1:
+        raise TypeError(f"{_files()[kind]} defines {len(found)} analyses; wanted is one")
+    if found[0].result.kind != kind:
         raise TypeError(
-            f"{_files()[kind]} defines {len(found)} analyses; wanted is one, with results of the"
-            f" kind {kind!r}"
+            f"the results in {_files()[kind]} are of the kind {found[0].result.kind!r}; wanted is"
+            f" the file's name, {kind!r}"
         )
     return found[0]
+
+
+def _names_result(node: ast.stmt) -> bool:
+    targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+    return any(getattr(each, "id", "") == "result" for each in targets)
 
 
 def _first_line(path: Path) -> str:
     """Of the class in a file that is an analysis: the one that has a `result`."""
     try:
         parts = ast.parse(path.read_text(encoding="utf-8")).body
-    except (OSError, SyntaxError) as error:
+    except (OSError, SyntaxError, ValueError) as error:
         return f"Cannot be used: {error}."
     for node in parts:
-        if isinstance(node, ast.ClassDef) and any(
-            isinstance(each, ast.Assign) and getattr(each.targets[0], "id", "") == "result"
-            for each in node.body
-        ):
+        if isinstance(node, ast.ClassDef) and any(map(_names_result, node.body)):
             return (ast.get_docstring(node) or "No description.").splitlines()[0]
     return f"Cannot be used: {path} defines no analysis."

@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float
 from matplotlib.path import Path as Outline
 
 from celltrain.meridian.geometry import meridian_points
+from celltrain.parameters import CaseError
 from celltrain.quantities import Quantity, Record
 from celltrain.steady import Base
 
@@ -106,6 +107,8 @@ def meridional_flow(base: Base, *, radial: int = RADIAL, axial: int = AXIAL) -> 
         w = u - U_c e_z,     psi(r, z) = int_0^r w_z r' dr',
 
     in U and U r0^2; lines of equal psi are streamlines.
+
+    **Raises:** `CaseError` where the velocity cannot be resolved.
     """
     from celltrain.train import fluid_velocity  # JAX: pictures of known flows need none
 
@@ -121,6 +124,14 @@ def meridional_flow(base: Base, *, radial: int = RADIAL, axial: int = AXIAL) -> 
     # At the wall the fluid rests exactly, and there is no flow across the axis.
     relative[:, -1] = [0.0, -base.cell_velocity]
     relative[:, 0, 0] = 0.0
+    lost = ~np.isfinite(relative).all(axis=-1)
+    if lost.any():
+        raise CaseError(
+            f"the velocity is not known at {lost.sum()} of {lost.size} points between the cells"
+            f" (diameter = {2.0 * base.train.radius:g}, packing = {base.train.packing:g}): the"
+            " operator in three dimensions does not resolve cells as near to the wall; allowed:"
+            " wider tubes"
+        )
     stream = scipy.integrate.cumulative_simpson(relative[..., 1] * radius, x=radius, initial=0.0)
     return MeridionalFlow(radius, z, relative, stream, inside)
 

@@ -103,7 +103,10 @@ def from_variables(kind: type[Result], data: Data) -> Result:
     Raises:
         KeyError: if a variable is missing.
     """
-    values = {name: _read(data, hint, name, None)[0] for name, (hint, _) in hints(kind).items()}
+    values = {
+        name: _read(data, hint, name, None, meaning)[0]
+        for name, (hint, meaning) in hints(kind).items()
+    }
     return kind(**values)
 
 
@@ -165,9 +168,12 @@ def _write(
         raise TypeError(f"{name}: {hint} has no form in files")
 
 
-def _read(data: Data, hint: Any, name: str, lead: int | None) -> list[Any]:
+def _read(
+    data: Data, hint: Any, name: str, lead: int | None, meaning: Quantity | None = None
+) -> list[Any]:
     """The values of a field: `lead` of them, or a single one for None."""
-    hint, _ = split(hint)
+    hint, own = split(hint)
+    meaning = own or meaning
     count = 1 if lead is None else lead
     if (scalar := _scalar(hint)) is not None:
         column = _values(data, name, complex_=scalar[0] is complex)
@@ -187,14 +193,14 @@ def _read(data: Data, hint: Any, name: str, lead: int | None) -> list[Any]:
         return [next(found[label]) for label in labels]
     if dataclasses.is_dataclass(hint):
         columns = {
-            inside: _read(data, each, f"{name}_{inside}", lead)
-            for inside, (each, _) in hints(hint).items()  # type: ignore[arg-type]
+            inside: _read(data, each, f"{name}_{inside}", lead, about)
+            for inside, (each, about) in hints(hint).items()  # type: ignore[arg-type]
         }
         return [hint(**{key: each[i] for key, each in columns.items()}) for i in range(count)]  # type: ignore[operator]
     if (key := _numbered(hint)) is not None and lead is None:
         numbers = data[f"{name}_key"].values.tolist()
         return [{m: _read(data, key, f"{name}_m{m:02d}", None)[0] for m in numbers}]
-    if (pair := _mapping(hint)) is not None and f"{name}_count" not in data:
+    if (pair := _mapping(hint)) is not None and meaning and meaning.parts and lead is None:
         keys = data[f"{name}_key"].values.tolist()
         return [{key: _read(data, pair[1], f"{name}_{key}", None)[0] for key in keys}]
     if (pair := _mapping(hint)) is not None:
