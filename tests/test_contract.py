@@ -142,7 +142,8 @@ def test_a_diagnostic_of_ones_own_is_one_file(coarse_base: Base, tmp_path: Path)
         return done
 
     assert "slip" in celltrain("--help").stdout
-    assert "Number of times. [default: 1.0]" in " ".join(celltrain("slip", "--help").stdout.split())
+    text = " ".join(celltrain("slip", "--help").stdout.replace("│", " ").split())
+    assert "Number of times. (allowed: numbers > 0) [default: 1.0]" in text
     start = save(coarse_base, tmp_path / "start.nc")
     assert "times = -1" in celltrain("slip", start, "--times", "-1", status=2).stderr
     done = celltrain("slip", start, "--times", "2", "-o", "slip.nc", "--plot", "drawn", "--json")

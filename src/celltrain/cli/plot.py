@@ -74,8 +74,8 @@ def plot(
         check_folder(paraview, "paraview")
     if not pictures(content):
         raise CaseError(
-            f"file = {str(result)!r} is not allowed: nothing of it is drawn (a study is where it has"
-            " one or two axes of numbers)"
+            f"file = {str(result)!r} is not allowed: nothing of it is drawn; allowed: of studies,"
+            " those with one or two axes of numbers"
         )
     folder = result.with_name(f"{result.stem}-pictures") if output is None else output
     check_folder(folder, "output")

@@ -18,8 +18,8 @@ class Named:
 
     @property
     def words(self) -> str:
-        """The name in words."""
-        return self.name.replace("_", " ")
+        """What reports call it."""
+        return self.meaning.words or self.name.replace("_", " ")
 
     @property
     def label(self) -> str:

@@ -21,6 +21,7 @@ class Quantity:
         source: where the equation comes from, such as "Eq. (14)" of the paper.
         bulky: whether only files keep it, and neither JSON nor the report.
         parts: of what is kept by name, the quantity of each name.
+        words: what reports call it, where its name in words is not good.
     """
 
     symbol: str
@@ -31,6 +32,7 @@ class Quantity:
     source: str = ""
     bulky: bool = False
     parts: Mapping[str, "Quantity"] = field(default_factory=dict)
+    words: str = ""
 
     @property
     def attributes(self) -> dict[str, str]:

@@ -70,6 +70,7 @@ class Base(Record):
             r"\Delta",
             "r0",
             "least streamwise distance between the membranes of neighbouring cells",
+            words="gap between cells",
         ),
     ]
     largest_radius: Annotated[
@@ -97,6 +98,7 @@ class Base(Record):
             r"\max|u - v|",
             "U",
             "the same before the velocity is cut at the degree of the shape",
+            words="left out by the degree",
         ),
     ]
     velocity_error: Annotated[
@@ -105,6 +107,7 @@ class Base(Record):
             r"\max|\Delta v|/\max|v|",
             "1",
             "estimated relative error of the velocity by the rules and grids",
+            words="relative error of the velocity",
         ),
     ]
     history: tuple[Iteration, ...]
