@@ -330,7 +330,7 @@ def test_results_over_the_axes(study, cheap, tmp_path: Path) -> None:
         assert data[name].attrs["units"] == meaning.unit
     assert load(save(result, tmp_path / "study.nc")) == result
     lines = result.table().splitlines()
-    assert lines[0].startswith("| diameter | packing | alpha, U/r0 |")
+    assert lines[0].startswith("| diameter, r0 | packing | alpha, U/r0 |")
     assert "| 8 | 0.4 | 3.20e+00 |" in lines[7]
     assert lines[4].startswith("| 7 | 0.2 |  |")
     assert lines[-2] == "- diameter = 7, packing = 0.2: NotConverged: no steady train: not today"

@@ -46,6 +46,15 @@ def study_pictures(data: xr.Dataset) -> dict[str, Callable[[Path], Path]]:
     return {name: partial(_draw, data, name) for name in DRAWN if np.isfinite(data[name]).any()}
 
 
+def axis_label(axis: xr.DataArray) -> str:
+    """The symbol of an axis with its unit, which is that of the study's file."""
+    name, unit = str(axis.name), axis.attrs.get("units", "")
+    known = DIMENSIONS.get(name)
+    if known is None or unit in ("", "1", known.unit):
+        return LABELS.get(name, name.replace("_", " "))
+    return f"${axis.attrs['symbol']}$ ({unit})"
+
+
 def _draw(data: xr.Dataset, name: str, path: Path) -> Path:
     values = data[name]
     label = f"${values.attrs['symbol']}${unit_label(values.attrs['units'])}"
@@ -71,7 +80,7 @@ def draw_map(axes: Axes, values: xr.DataArray, label: str) -> None:
     axes.clabel(lines, fontsize=7)
     mark_cases(axes, values)
     axes.figure.colorbar(filled, ax=axes, label=label)
-    axes.set(xlabel=LABELS.get(right, right), ylabel=LABELS.get(up, up))
+    axes.set(xlabel=axis_label(values[right]), ylabel=axis_label(values[up]))
 
 
 def mark_cases(axes: Axes, values: xr.DataArray) -> None:
@@ -100,11 +109,11 @@ def draw_curves(axes: Axes, values: xr.DataArray, label: str, errors: xr.DataArr
             fmt="o-",
             markersize=3.5,
             capsize=2,
-            label=None if value is None else f"{LABELS.get(others[0], others[0])} = {value:g}",
+            label=None if value is None else f"{axis_label(values[others[0]])} = {value:g}",
         )
     if others:
         axes.legend(fontsize=9, frameon=False)
     if (values < 0).any():
         axes.axhline(0.0, color="0.6", linewidth=0.8)
-    axes.set(xlabel=LABELS.get(right, right), ylabel=label)
+    axes.set(xlabel=axis_label(values[right]), ylabel=label)
     axes.tick_params(direction="in", top=True, right=True)

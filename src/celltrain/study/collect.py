@@ -7,6 +7,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from celltrain.parameters import Scales
+from celltrain.parameters.dimension import NUMBER
+from celltrain.parameters.fields import symbol
+from celltrain.parameters.routing import DIMENSIONS, TAKEN
 from celltrain.study.columns import COLUMNS, WORDS, further
 from celltrain.study.definition import Axis, Study
 from celltrain.study.result import StudyResult
@@ -42,13 +46,27 @@ def collect(study: Study, records: Records) -> StudyResult:
     variables |= {
         name: (names, array.astype(str), WORDS[name].attributes) for name, array in words.items()
     }
-    coordinates = {axis.name: (axis.name, _values(axis)) for axis in study.axes}
+    coordinates = {
+        axis.name: (axis.name, _values(axis), _meaning(axis.name, study.units))
+        for axis in study.axes
+    }
     header = {
         "title": study.title,
         # A case in full, from which the others differ by the axes' values.
         "case": study.cases[0].train.to_toml(),
     }
     return StudyResult(xr.Dataset(variables, coords=coordinates, attrs=header))
+
+
+def _meaning(name: str, units: str) -> dict[str, str]:
+    """Attributes of an axis, whose values are in the units of the study file."""
+    taken = TAKEN.get(name) or Scales.model_fields[name]
+    dimension = DIMENSIONS.get(name, NUMBER)
+    return {
+        "long_name": str(taken.description),
+        "units": (dimension.si if units == "SI" else dimension.unit) or "1",
+        "symbol": symbol(taken) or "",
+    }
 
 
 def _values(axis: Axis) -> np.ndarray:

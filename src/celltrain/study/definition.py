@@ -125,6 +125,7 @@ class Study:
     axes: tuple[Axis, ...]
     computed: Computed
     cases: tuple[Case, ...]
+    units: str = "dimensionless"
 
     def distance(self, one: Case, other: Case) -> float:
         """Distance of two cases, each axis scaled by its range."""
@@ -180,6 +181,7 @@ def make_study(content: Mapping[str, Any]) -> Study:
         axes=axes,
         computed=computed,
         cases=tuple(_cases(case, axes)),
+        units=units,
     )
 
 

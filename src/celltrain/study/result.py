@@ -46,7 +46,10 @@ class StudyResult(Labelled):
         axes = list(self.data["status"].dims)
         more = [(name, str(name), ".4g") for name in self.data.data_vars if str(name) not in _OWN]
         columns = (*TABLE, *more)
-        headings = [*map(str, axes), *(str(heading) for heading, *_ in columns)]
+        headings = [
+            *(self._heading(str(axis)) for axis in axes),
+            *(str(heading) for heading, *_ in columns),
+        ]
         lines = [f"| {' | '.join(headings)} |", "|" + "---|" * len(headings)]
         failures = []
         for case in self._cases():
@@ -62,6 +65,10 @@ class StudyResult(Labelled):
         if failures:
             lines += ["", "Failed:", "", *failures]
         return "\n".join(lines) + "\n"
+
+    def _heading(self, axis: str) -> str:
+        unit = self.data[axis].attrs.get("units", "1")
+        return axis if unit == "1" else f"{axis}, {unit}"
 
     def _cases(self) -> list[xr.Dataset]:
         shape = self.data["status"].shape
