@@ -154,7 +154,7 @@ def test_the_degree_may_be_an_axis_or_left_open() -> None:
 @pytest.mark.parametrize(
     ("change", "parts"),
     [
-        ({"axis": {}}, ["'axis'", "title, units, case, axes, compute"]),
+        ({"axis": {}}, ["'axis'", "title, units, unusual, case, axes, compute"]),
         ({"axes": {}}, ["at least one parameter"]),
         ({"axes": {"diamter": [6]}}, ["diamter", "did you mean diameter"]),
         ({"axes": {"tube": [6]}}, ["axis tube is a section", "diameter"]),
