@@ -23,8 +23,9 @@ def prepare_streams() -> None:
     while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
         pass
     os.close(number)
-    if sys.stdout is not None:
-        cast(io.TextIOWrapper, sys.stdout).reconfigure(errors="backslashreplace")
+    # Elsewhere, as in a notebook, it is another object.
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
     if sys.stderr is None:  # closed
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115
         return
