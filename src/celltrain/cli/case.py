@@ -5,17 +5,23 @@ import sys
 from rich.console import Console
 
 from celltrain.cli.arguments import CaseFile
-from celltrain.cli.compute import Request, read_request
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.options import CaseOptions, given_leaves
-from celltrain.parameters import read_case
+from celltrain.parameters import merge_case, read_case
 
 
 def case(case: CaseFile = None, /, *, options: CaseOptions = None) -> int:
     """Print the complete case as TOML, dimensionless: what a computation would use."""
     leaves = given_leaves(options)
-    train, _, _ = read_request(Request(case=case), leaves)
-    content = read_case(case) if case and case.suffix.lower() != ".nc" else {}
+    if case is not None and case.suffix.lower() == ".nc":
+        # What files need takes a second to load.
+        from celltrain.cli.compute import Request, read_request
+
+        content: dict[str, object] = {}
+        train, _, _ = read_request(Request(case=case), leaves)
+    else:
+        content = read_case(case) if case else {}
+        train = merge_case(content, leaves)
     unusual = leaves.get("unusual", content.get("unusual", False))
     keeper = Keeper(Console(stderr=True), quiet=True)
     text = train.to_toml()
