@@ -363,7 +363,7 @@ def test_the_command_simulates_and_goes_on(coarse_stability, tmp_path: Path, cap
     assert main(arguments) == 0
     printed = capsys.readouterr()
     summary = json.loads(printed.out)
-    assert summary["ending"] == "complete"
+    assert summary["ending"]["kind"] == "complete"
     assert summary["frames"] == 4
     assert_allclose(summary["eps"][0], 0.2, rtol=2e-2)
     assert printed.err == ""
