@@ -159,8 +159,9 @@ def main() -> None:
                 [sys.executable, "-c", OPEN, str(job.folder)], capture_output=True, text=True
             )
             counts["unreadable files"] += opened.returncode != 0
+            print(f"{number}: {job.name}, {killer.name}: {outcome}, {took:.2f} s", flush=True)
             if outcome not in ("ended as asked", "complete before"):
-                print(f"{job.name} {killer.name} {process.returncode}: {said}", flush=True)
+                print(f"status {process.returncode}: {said}", flush=True)
             if opened.returncode != 0:
                 print(opened.stderr, flush=True)
             if process.returncode == 0:
