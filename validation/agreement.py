@@ -110,8 +110,8 @@ M = {DEGREE}, rules far finer than usual on both sides (source order {FINE["sour
 rule {FINE["polar_radial"]} x {FINE["polar_azimuthal"]}, tolerance {FINE["tolerance"]:g}; on the
 meridian {MERIDIAN["radial"]} x {MERIDIAN["around"]}, {MERIDIAN["tolerance"]:g}). Given is the
 2-norm of the difference of the blocks, largest over q = 0 and pi, relative to that of the
-largest block. Narrower tubes are not among them: at D = 3 these rules did not end within ten minutes
-of a processor, with eleven gigabytes. Expected: at most {EXPECTED:g}.
+largest block. Narrower tubes are not among them: at D = 3 these rules did not end within ten
+minutes of a processor, with eleven gigabytes. Expected: at most {EXPECTED:g}.
 """
     )
     rows, worst = [], 0.0
@@ -131,7 +131,7 @@ of a processor, with eleven gigabytes. Expected: at most {EXPECTED:g}.
     page.table(("train", *(f"m = {m}" for m in NUMBERS)), rows)
     page.text(f"Largest: {worst:.1e}. Below {EXPECTED:g}: {'yes' if worst <= EXPECTED else 'NO'}.")
     page.text(
-        f"What is in `{FILE.relative_to(FOLDER)}` is not computed again; all of it takes a quarter of an"
-        " hour."
+        f"What is in `{FILE.relative_to(FOLDER)}` is not computed again; all of it takes a quarter"
+        " of an hour."
     )
     page.write()
