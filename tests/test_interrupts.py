@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -35,8 +35,10 @@ while True:
 """,
 }
 
+# Whatever starts the tests may ignore SIGINT, as shells do for what is in the background.
 PROGRAM = """
 import gc, hashlib, os, signal, sys, threading, time
+{ignored}
 from celltrain import cli, interruption
 import celltrain.cli.app as app
 
@@ -50,10 +52,21 @@ sys.exit(cli.main())
 """
 
 
+@pytest.fixture(autouse=True)
+def heard() -> Iterator[None]:
+    """SIGINT is heard, also where whatever started the tests ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+HEARD = "signal.signal(signal.SIGINT, signal.default_int_handler)"
+
+
 def start(body: str) -> subprocess.Popen[str]:
     lines = "\n".join(f"        {line}" for line in body.strip().splitlines())
     process = subprocess.Popen(
-        [sys.executable, "-c", PROGRAM.format(body=lines)],
+        [sys.executable, "-c", PROGRAM.format(body=lines, ignored=HEARD)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -70,7 +83,10 @@ def test_a_signal_ends_a_command_once(where: str, number: signal.Signals) -> Non
     time.sleep(0.1)
     begin = time.monotonic()
     process.send_signal(number)
-    _, said = process.communicate(timeout=30.0)
+    try:
+        _, said = process.communicate(timeout=30.0)
+    finally:
+        process.kill()
     assert time.monotonic() - begin < SOON
     assert process.returncode == 128 + number
     [line] = said.splitlines()
@@ -99,8 +115,8 @@ except KeyboardInterrupt:
 
 def test_a_command_in_the_background_goes_on() -> None:
     """There SIGINT is ignored, as shells start it, and stays so."""
-    program = PROGRAM.format(body="        time.sleep(0.5); return 0")
-    words = f"import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n{program}"
+    ignored = "signal.signal(signal.SIGINT, signal.SIG_IGN)"
+    words = PROGRAM.format(body="        time.sleep(0.5); return 0", ignored=ignored)
     process = subprocess.Popen([sys.executable, "-c", words], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
