@@ -275,7 +275,7 @@ def test_within_the_range_a_step_errs_by_part_of_the_gap_and_runs_go_on_bit_for_
     elastic = sum(whole.frames[f"energy_{part}"] for part in ("shear", "dilatation", "bending"))
     assert_allclose(history["energy"][0], elastic[0].sum(), rtol=1e-10)
     record = repulsion_record(whole)
-    assert record["range"] == 0.02
+    assert whole.repulsion.range == 0.02
     assert record["since"] == 0.0
     assert record["duration"] == pytest.approx(whole.state.time)
     assert record["smallest_gap"] == history["gap"].min()

@@ -29,6 +29,7 @@ REASONS = (
     "missing",
     "cannot be",
     "is no ",
+    "is not a result",
     "no such",
     "not valid",
     "needs",

@@ -36,7 +36,7 @@ class SimulationPresentation(Presentation[Run]):
             "integrator": {"name": type(result.integrator).__name__, **method},
             "repulsion": {**vars(result.repulsion), **repulsion_record(result)},
             "ending": result.ending,
-            "time": result.times[-1],
+            "time": result.reached,
             "until": result.until,
             "frames": len(result.times),
             "steps": result.steps,
@@ -56,11 +56,11 @@ class SimulationPresentation(Presentation[Run]):
     def report(cls, result: Run, console: Console) -> None:
         """Print how the simulation went."""
         frames, wall = result.frames, float(result.history["wall_seconds"][-1])
-        speed = 3600.0 * result.times[-1] / wall if wall > 0.0 else math.nan
+        speed = 3600.0 * result.reached / wall if wall > 0.0 else math.nan
         console.print(case_line(result.base))
         table = quantities_table("Simulation", result, {"until": ".6g"})
         for name, value, unit in (
-            ("time reached", f"{result.times[-1]:.6g}", "r0/U"),
+            ("time reached", f"{result.reached:.6g}", "r0/U"),
             ("steps (rejected)", f"{result.steps} ({result.work.rejected})", ""),
             ("evaluations of the velocity", f"{result.work.evaluations}", ""),
             ("eps, first and last", _pair(frames["eps"]), "r0"),

@@ -84,7 +84,7 @@ def plot(
         reporter.log(
             f"pictures of a result of the kind {content.kind}"
             if simulation is None
-            else f"simulation until t = {simulation.times[-1]:.6g} of {simulation.until:g} r0/U,"
+            else f"simulation until t = {simulation.reached:.6g} of {simulation.until:g} r0/U,"
             f" {len(simulation.times)} frames: {simulation.ending.message}"
         )
         keeper = Keeper(errors, quiet=quiet, listed=True)

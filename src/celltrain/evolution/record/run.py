@@ -85,6 +85,11 @@ class Run(Record):
         return read(path, cls)
 
     @property
+    def reached(self) -> float:
+        """The time that is reached, r0/U: of the last step, or of the last frame within the next."""
+        return max(self.state.time, float(self.times[-1]))
+
+    @property
     def steps(self) -> int:
         """Steps so far."""
         return len(self.history["time"]) - 1
