@@ -86,7 +86,7 @@ class Run(Record):
 
     @property
     def reached(self) -> float:
-        """The time that is reached, r0/U: of the last step, or of the last frame within the next."""
+        """The time that is reached, r0/U: of the last step, or of a frame within the next."""
         return max(self.state.time, float(self.times[-1]))
 
     @property
