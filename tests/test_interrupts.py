@@ -98,14 +98,18 @@ def test_a_signal_ends_a_command_once(where: str, number: signal.Signals) -> Non
 
 def test_a_second_signal_ends_at_once() -> None:
     process = start("""
-try: time.sleep(60)
+try:
+    print("waiting", flush=True)
+    time.sleep(60)
 except KeyboardInterrupt:
     interruption.take()
     print("taken", flush=True)
     time.sleep(60)
 """)
-    process.send_signal(signal.SIGINT)
     assert process.stdout is not None
+    # Within the `try`, and not on the way there.
+    assert process.stdout.readline() == "waiting\n"
+    process.send_signal(signal.SIGINT)
     assert process.stdout.readline() == "taken\n"
     process.send_signal(signal.SIGTERM)
     _, said = process.communicate(timeout=SOON)
