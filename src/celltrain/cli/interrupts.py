@@ -93,7 +93,8 @@ class Interrupts:
     def _handle(self, number: int, frame: FrameType | None) -> None:
         if number != _AGAIN and self.asked is None:
             self.asked = number
-        if self.asked is not None and not interruption.taken():
+        # Once, until it is dropped: a second one would hit whoever takes the first.
+        if self.asked is not None and not self._raised and not interruption.taken():
             self._raised = True
             raise KeyboardInterrupt
 
