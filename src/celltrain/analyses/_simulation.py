@@ -7,14 +7,18 @@ import numpy as np
 from rich.console import Console
 
 from celltrain.contract import Draw, Presentation
+from celltrain.contract.status import ExitStatus
 from celltrain.contract.tables import case_line, quantities_table
 from celltrain.evolution import Run
 from celltrain.evolution.record.repulsion import repulsion_record
 from celltrain.results import Plain, plain
 from celltrain.results.version import version
 
-#: Exit status of a simulation by the way it ended; 3 for all others.
-STATUS = {"complete": 0, "steps": 0, "running": 0, "interrupted": 130, "not_saved": 4}
+_STATUS = {
+    **dict.fromkeys(("complete", "steps", "running"), ExitStatus.DONE),
+    "interrupted": ExitStatus.INTERRUPTED,
+    "not_saved": ExitStatus.NOT_KEPT,
+}
 
 
 class SimulationPresentation(Presentation[Run]):
@@ -86,7 +90,7 @@ class SimulationPresentation(Presentation[Run]):
     @classmethod
     def status(cls, result: Run) -> int:
         """0 where the time asked for is reached, 3 where it could not go on."""
-        return STATUS.get(result.ending.kind, 3)
+        return _STATUS.get(result.ending.kind, ExitStatus.NOT_CONVERGED)
 
 
 def _correction(run: Run) -> float:

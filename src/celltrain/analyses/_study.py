@@ -6,6 +6,7 @@ from typing import NoReturn
 from rich.console import Console
 
 from celltrain.contract import Draw, Presentation
+from celltrain.contract.status import ExitStatus
 from celltrain.parameters import CaseError
 from celltrain.results import Plain, plain
 from celltrain.results.version import version
@@ -51,4 +52,4 @@ class StudyPresentation(Presentation[StudyResult]):
     @classmethod
     def status(cls, result: StudyResult) -> int:
         """3 if cases failed."""
-        return 3 if result.failed else 0
+        return ExitStatus.NOT_CONVERGED if result.failed else ExitStatus.DONE

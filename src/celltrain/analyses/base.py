@@ -26,7 +26,7 @@ FORMATS = {
 class SteadyTrain(Analysis[Base]):
     """Compute the steady train alone.
 
-    Without a degree it rises until the cells' velocity is known to 1e-4 U.
+    Without --degree, the degree rises until the cells' velocity is known to 1e-4 U.
     """
 
     result = Base

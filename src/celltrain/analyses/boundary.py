@@ -10,14 +10,12 @@ from rich.console import Console
 from celltrain.continuation import BoundaryPoint, StabilityBoundary, stability_boundary
 from celltrain.continuation.boundary import crossing
 from celltrain.contract import Analysis, Draw, Progress, Setting
+from celltrain.contract.status import curve_status
 from celltrain.contract.tables import case_line, titled
 from celltrain.parameters import CaseError, Train
 from celltrain.stability import check_linearisable
 from celltrain.stability.infinite import check_phases
 from celltrain.steady import Base, steady
-
-#: Exit status of a curve by the way it ended, 0 for all others.
-STATUS = {"lost": 3, "interrupted": 130}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,9 +37,10 @@ class Boundary(Analysis[StabilityBoundary]):
         ),
     ] = 0.0
     towards: Annotated[
-        Literal["diameter", "packing"], Setting("Which of both rises or falls from the start.")
+        Literal["diameter", "packing"],
+        Setting("Which of the two increases (or, with --falling, decreases) from the start."),
     ] = "diameter"
-    falling: Annotated[bool, Setting("Go to where it falls.")] = False
+    falling: Annotated[bool, Setting("Follow it in the direction in which it decreases.")] = False
     most_points: Annotated[int, Setting("End after this many points.", "whole numbers >= 1")] = 20
 
     def check(self, train: Train) -> None:
@@ -121,4 +120,4 @@ class Boundary(Analysis[StabilityBoundary]):
     @classmethod
     def status(cls, result: StabilityBoundary) -> int:
         """3 for a curve that was lost, 130 for one that was interrupted."""
-        return STATUS.get(result.ending.kind, 0)
+        return curve_status(result.ending.kind)

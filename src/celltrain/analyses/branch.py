@@ -10,6 +10,7 @@ from celltrain.continuation import Branch, BranchPoint, check_branch
 from celltrain.continuation import branch as follow
 from celltrain.continuation.branch import ALONG
 from celltrain.contract import Analysis, Draw, Progress, Setting
+from celltrain.contract.status import curve_status
 from celltrain.contract.tables import case_line, titled
 from celltrain.parameters import CaseError, Scales, Train
 from celltrain.parameters.dimension import NUMBER
@@ -17,9 +18,6 @@ from celltrain.parameters.resolution import LEAST_DEGREE
 from celltrain.parameters.routing import DIMENSIONS
 from celltrain.stability import NUMBERS, Stability, stability
 from celltrain.steady import Base, steady
-
-#: Exit status of a curve by the way it ended, 0 for all others.
-STATUS = {"lost": 3, "interrupted": 130}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +118,7 @@ class SteadyBranch(Analysis[Branch]):
     @classmethod
     def status(cls, result: Branch) -> int:
         """3 for a branch that was lost, 130 for one that was interrupted."""
-        return STATUS.get(result.ending.kind, 0)
+        return curve_status(result.ending.kind)
 
 
 def _numbers(point: BranchPoint) -> str:

@@ -7,17 +7,14 @@ from typing import Annotated
 import numpy as np
 from rich.console import Console
 
-from celltrain.contract import Analysis, Draw, Progress, Setting
-from celltrain.contract.analysis import Accuracy, Numbers
+from celltrain.contract import Draw, Progress, Setting
+from celltrain.contract.analysis import OfDynamics
 from celltrain.contract.tables import case_line, seconds_line, titled
 from celltrain.parameters import Train
 from celltrain.results import Plain
 from celltrain.stability import (
-    ACCURACY,
     NUMBERS,
     InfiniteTrain,
-    check_accuracy,
-    check_linearisable,
     infinite_train,
 )
 from celltrain.stability.infinite import check_phases
@@ -25,7 +22,7 @@ from celltrain.steady import Base
 
 
 @dataclass(frozen=True, kw_only=True)
-class InfiniteStability(Analysis[InfiniteTrain]):
+class InfiniteStability(OfDynamics[InfiniteTrain]):
     """Compute the growth rates of waves of any length in an infinite train, and the fastest one.
 
     Azimuthal numbers are 0 to 3 if none are given.
@@ -42,8 +39,6 @@ class InfiniteStability(Analysis[InfiniteTrain]):
             "phase",
         ),
     ] = None
-    azimuthal_numbers: Numbers = None
-    accuracy: Accuracy = ACCURACY
 
     def check(self, train: Train) -> None:
         """Look at case and settings before anything is computed.
@@ -51,8 +46,7 @@ class InfiniteStability(Analysis[InfiniteTrain]):
         Raises:
             CaseError: for what is not allowed.
         """
-        check_linearisable(train, self._numbers)
-        check_accuracy(self.accuracy)
+        super().check(train)
         if self.phases is not None:
             check_phases(np.unique(self.phases))
 

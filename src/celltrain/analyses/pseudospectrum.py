@@ -42,6 +42,12 @@ class BlockPseudospectrum(OfStability[Pseudospectrum]):
             )
         if self.azimuthal_number is not None:
             check_linearisable(train, [self.azimuthal_number])
+            known = self.azimuthal_numbers
+            if known is not None and self.azimuthal_number not in known:
+                raise CaseError(
+                    f"azimuthal_number = {self.azimuthal_number} is not allowed; allowed: one of"
+                    f" azimuthal_numbers ({', '.join(map(str, known))})"
+                )
         if self.wave_number is not None and not 0 <= self.wave_number <= train.cells // 2:
             raise CaseError(
                 f"wave_number = {self.wave_number} is not allowed; allowed: 0 to {train.cells // 2}"

@@ -50,7 +50,7 @@ class Sensitivity(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class ModeSensitivity(OfStability[Sensitivity]):
-    """Compute how a growth rate changes with the train's parameters, and where it is made."""
+    """Compute how a growth rate changes with parameters, and where on the membrane it arises."""
 
     result = Sensitivity
 

@@ -9,19 +9,16 @@ from rich.table import Table
 from rich.text import Text
 
 from celltrain.analyses.base import SteadyTrain, print_base
-from celltrain.contract import Analysis, Draw, Progress, Setting
-from celltrain.contract.analysis import Accuracy, Numbers
+from celltrain.contract import Draw, Progress, Setting
+from celltrain.contract.analysis import OfDynamics
 from celltrain.contract.tables import case_line, rate, seconds_line, titled
 from celltrain.parameters import Train, paper_units
 from celltrain.results import Plain, plain
 from celltrain.stability import (
-    ACCURACY,
     NEAR_DOUBLE,
     Mode,
     Stability,
-    check_accuracy,
     check_count,
-    check_linearisable,
     leading_condition,
     neutral_defects,
     stability,
@@ -35,12 +32,11 @@ ROWS, LEADING_MODES = 12, 24
 
 
 @dataclass(frozen=True, kw_only=True)
-class LinearStability(Analysis[Stability]):
+class LinearStability(OfDynamics[Stability]):
     """Compute the steady train and its linear stability: growth rates, modes, transient growth."""
 
     result = Stability
 
-    azimuthal_numbers: Numbers = None
     error_bars: Annotated[
         int | None,
         Setting(
@@ -49,7 +45,6 @@ class LinearStability(Analysis[Stability]):
             "whole numbers >= 1",
         ),
     ] = None
-    accuracy: Accuracy = ACCURACY
 
     def check(self, train: Train) -> None:
         """Look at case and settings before anything is computed.
@@ -57,8 +52,7 @@ class LinearStability(Analysis[Stability]):
         Raises:
             CaseError: for what is not allowed.
         """
-        check_linearisable(train, self.azimuthal_numbers)
-        check_accuracy(self.accuracy)
+        super().check(train)
         if self.error_bars is not None:
             check_count(self.error_bars)
 

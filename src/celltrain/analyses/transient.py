@@ -70,8 +70,8 @@ class TransientAnalysis(OfStability[TransientGrowth]):
             f" growth rate for long times (alpha) {result.spectral_abscissa:.5g} U/r0"
         )
         console.print(
-            f"the largest passing growth is {optimal.growth:.4g} times, after"
-            f" {optimal.time:.4g} r0/U (m = {optimal.azimuthal_number}, q = 2 pi"
+            f"of disturbances that peak, the largest growth is by a factor of {optimal.growth:.4g},"
+            f" after {optimal.time:.4g} r0/U (m = {optimal.azimuthal_number}, q = 2 pi"
             f" {optimal.wave_number}/{base.train.cells})"
             if any(block.peak.interior and block.peak.time > 0.0 for block in result.blocks)
             else f"nothing grows and falls again within {result.times[-1]:g} r0/U"

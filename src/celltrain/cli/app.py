@@ -15,12 +15,11 @@ from importlib.metadata import version
 from cyclopts import App, CycloptsError
 from rich.console import Console
 
-from celltrain.cli.failure import NOT_KEPT, CommandFailed, reason
+from celltrain.cli.failure import CommandFailed, reason
 from celltrain.contract.catalogue import first_lines
+from celltrain.contract.status import ExitStatus
 from celltrain.environment import UnsuitableSetting
 from celltrain.parameters import CaseError
-
-BAD_INPUT = 2
 
 #: Commands that are no analyses: function, and the first line of that function's docstring.
 OTHERS = {
@@ -30,7 +29,7 @@ OTHERS = {
     ),
     "evolve": (
         "evolve:evolve",
-        "Simulate a disturbed train; the file may be read, the simulation killed and gone on with.",
+        "Simulate a disturbed train; its file can be read meanwhile, a killed simulation resumed.",
     ),
     "paper": (
         "paper:paper",
@@ -79,19 +78,19 @@ def run(arguments: Sequence[str] | None = None) -> int:
         status = app(arguments, exit_on_error=False, print_error=False)
     except (CaseError, CycloptsError) as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
-        return BAD_INPUT
+        return ExitStatus.BAD_INPUT
     except CommandFailed as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
         return error.status
     except UnsuitableSetting as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
-        return BAD_INPUT
+        return ExitStatus.BAD_INPUT
     except OSError as error:
         words = f"{error.filename or 'standard output'} cannot be used: {reason(error)}"
         errors.print(f"celltrain: {words}", markup=False, highlight=False, soft_wrap=True)
-        return NOT_KEPT
+        return ExitStatus.NOT_KEPT
     except MemoryError as error:
         words = f"the memory is not enough: {error}" if str(error) else "the memory is not enough"
         errors.print(f"celltrain: {words}", markup=False, highlight=False, soft_wrap=True)
-        return NOT_KEPT
+        return ExitStatus.NOT_KEPT
     return status or 0

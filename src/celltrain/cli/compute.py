@@ -16,14 +16,12 @@ from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder, check_output, last_state_path
 from celltrain.cli.progress import Reporter
 from celltrain.contract import Analysis, load, presentation
+from celltrain.contract.status import ExitStatus
 from celltrain.contract.tables import titled
 from celltrain.parameters import CaseError, Train, check_volume, merge_case, read_case
 from celltrain.parameters.train import Units
 from celltrain.quantities import Record
 from celltrain.steady import Base, NotConverged
-
-#: Exit status of a computation that did not converge.
-NOT_CONVERGED = 3
 
 
 @dataclass(frozen=True)
@@ -179,4 +177,4 @@ def describe_failure(failure: NotConverged, errors: Console, output: Path | None
             f" {train.packing:.6g}); repeat the command with --start {path} to go on from there"
         )
         errors.print(words, markup=False, highlight=False, soft_wrap=True)
-    return NOT_CONVERGED
+    return ExitStatus.NOT_CONVERGED

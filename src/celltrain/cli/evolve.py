@@ -16,13 +16,14 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
-from celltrain.cli.compute import NOT_CONVERGED, Request, print_result, read_request, read_result
+from celltrain.cli.compute import Request, print_result, read_request, read_result
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.options import CaseOptions, given_leaves
 from celltrain.cli.outputs import check_output
 from celltrain.cli.progress import Reporter
 from celltrain.cli.simulation_progress import SimulationReporter
 from celltrain.contract import presentation
+from celltrain.contract.status import ExitStatus
 from celltrain.evolution import (
     Disturbance,
     FastestAtFirst,
@@ -121,7 +122,7 @@ def evolve(
     json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Simulate a disturbed train; the file may be read, the simulation killed and gone on with."""
+    """Simulate a disturbed train; its file can be read meanwhile, a killed simulation resumed."""
     errors = Console(stderr=True)
     leaves = given_leaves(options)
     place = _named(output)
@@ -160,10 +161,10 @@ def evolve(
                     )
         except NotConverged as failure:
             errors.print(f"not converged: {failure}", markup=False, highlight=False)
-            return NOT_CONVERGED
+            return ExitStatus.NOT_CONVERGED
         except StepFailed as failure:
             errors.print(f"celltrain: {failure}", markup=False, highlight=False)
-            return NOT_CONVERGED
+            return ExitStatus.NOT_CONVERGED
     keeper = Keeper(errors, quiet=quiet)
     print_result(run, keeper, as_json=json)
     shown = presentation(run.kind)

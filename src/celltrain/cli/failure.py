@@ -1,8 +1,5 @@
 """How a command ends that cannot do what it was asked for."""
 
-#: Exit status when something that was asked for could not be written; the result was printed.
-NOT_KEPT = 4
-
 
 class CommandFailed(RuntimeError):
     """The message to show, and the exit status that goes with it."""

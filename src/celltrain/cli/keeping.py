@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from celltrain.cli.failure import NOT_KEPT, reason
+from celltrain.cli.failure import reason
+from celltrain.contract.status import ExitStatus
 
 if TYPE_CHECKING:
     from celltrain.quantities import Record
@@ -31,7 +32,7 @@ class Keeper:
     @property
     def status(self) -> int:
         """Exit status by what was kept: 0 if all was."""
-        return 0 if self._complete else NOT_KEPT
+        return ExitStatus.DONE if self._complete else ExitStatus.NOT_KEPT
 
     def show(self, write: Callable[[], object]) -> None:
         """Print to standard output, which may be full, or closed by who read it."""

@@ -14,11 +14,11 @@ from cyclopts import Parameter
 from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
-from celltrain.cli.compute import NOT_CONVERGED
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder
 from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
 from celltrain.contract import load
+from celltrain.contract.status import ExitStatus
 from celltrain.paper import FIGURES, findings_table, paper_study
 from celltrain.paper.figure_data import FigureData
 from celltrain.paper.resolutions import CONVERGED, PAPER, Resolutions
@@ -120,7 +120,7 @@ def paper(
         keeper.picture(folder / f"{figure}.png", lambda path: chosen.draw(both, path))
         if chosen.needs and not quiet:
             errors.print(f"without {chosen.needs}", highlight=False, soft_wrap=True)
-        return NOT_CONVERGED if failed else keeper.status
+        return ExitStatus.NOT_CONVERGED if failed else keeper.status
 
 
 def _beside(resolution: str, folders: dict[str, str]) -> Resolutions:

@@ -18,8 +18,9 @@ from rich.progress import (
 from rich.progress import Progress as Bar
 
 from celltrain.cli.arguments import Quiet
-from celltrain.cli.failure import NOT_KEPT, CommandFailed, reason
+from celltrain.cli.failure import CommandFailed, reason
 from celltrain.cli.options import reader
+from celltrain.contract.status import ExitStatus
 from celltrain.interruption import kept_by
 from celltrain.parameters import CaseError
 from celltrain.study import (
@@ -35,8 +36,6 @@ from celltrain.study import (
     scheduled_workers,
 )
 
-#: Exit status when the workers of a study were lost.
-WORKERS_LOST = 4
 # Cases take minutes, so the time left follows from the last hour.
 SPEED_PERIOD = 3600.0
 
@@ -110,9 +109,10 @@ def compute(study: Study, run: StudyRun, errors: Console) -> dict[tuple[int, ...
         if isinstance(stopped, KeyboardInterrupt):
             raise KeyboardInterrupt(kept()) from None
         if isinstance(stopped, WorkersLost):
-            raise CommandFailed(f"{stopped}; {kept()}", WORKERS_LOST) from None
+            raise CommandFailed(f"{stopped}; {kept()}", ExitStatus.NOT_KEPT) from None
         raise CommandFailed(
-            f"{str(run.folder)!r} could not be written: {reason(stopped)}; {kept()}", NOT_KEPT
+            f"{str(run.folder)!r} could not be written: {reason(stopped)}; {kept()}",
+            ExitStatus.NOT_KEPT,
         ) from None
 
 

@@ -115,8 +115,8 @@ class Analysis(Presentation[Result]):
 Accuracy = Annotated[
     float,
     Setting(
-        "Relative accuracy of the growth rate up to which the degree rises, if none is given; 1e-4"
-        " U/r0 are enough where that is less."
+        "Relative accuracy of the growth rate at which the degree stops rising, where none is"
+        " given; an accuracy of 1e-4 U/r0 is always enough."
     ),
 ]
 Numbers = Annotated[
@@ -129,11 +129,8 @@ Numbers = Annotated[
 
 
 @dataclass(frozen=True, kw_only=True)
-class OfStability(Analysis[Result]):
-    """An analysis that goes on from the linear dynamics of a train of N cells.
-
-    Studies may compute it for each of their cases.
-    """
+class OfDynamics(Analysis[Result]):
+    """An analysis with linear dynamics: of which azimuthal numbers, and how exactly."""
 
     azimuthal_numbers: Numbers = None
     accuracy: Accuracy = ACCURACY
@@ -146,6 +143,14 @@ class OfStability(Analysis[Result]):
         """
         check_linearisable(train, self.azimuthal_numbers)
         check_accuracy(self.accuracy)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfStability(OfDynamics[Result]):
+    """An analysis that goes on from the linear dynamics of a train of N cells.
+
+    Studies may compute it for each of their cases.
+    """
 
     def compute(self, train: Train, start: Base | None, progress: Progress) -> Result:
         """Compute the linear dynamics, and go on from it.

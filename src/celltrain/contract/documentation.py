@@ -16,14 +16,14 @@ from celltrain.results.columns import parts_of
 INTRODUCTION = """\
 # Diagnostics
 
-What celltrain computes: a command and an analysis each, whose result is saved, loaded, shown,
-drawn, and gone on from in the same way. This page is made from them by
+Everything that celltrain computes. Each analysis is a command, and its result can be saved,
+loaded, shown, drawn and used as a start in the same way. This page is made from them by
 `python -m celltrain.contract.documentation`; a test holds it to what they say.
 
     celltrain NAME case.toml -o result.nc     # compute; --json, --plot FOLDER
     celltrain show result.nc                  # the report again; --json
     celltrain plot result.nc                  # its pictures
-    celltrain OTHER result.nc                 # go on from its case and steady train
+    celltrain OTHER result.nc                 # another analysis of its case and steady train
     celltrain.load("result.nc")               # in Python: equal to what was computed
 
 Lengths are in r0, velocities in U, viscosities in mu. "Eq.", "Fig." and "Table" are those of
@@ -56,7 +56,11 @@ def _settings(shown: type[Presentation]) -> Iterator[str]:  # type: ignore[type-
     for each in dataclasses.fields(shown):  # type: ignore[arg-type]
         setting = next(note for note in get_args(known[each.name]) if isinstance(note, Setting))
         option = setting.option or each.name.replace("_", "-")
-        yield f"- `--{option}`: {setting.help}"
+        notes = [f"allowed: {setting.allowed}"] if setting.allowed else []
+        if each.default not in (None, dataclasses.MISSING):
+            default = f"{each.default:.5g}" if isinstance(each.default, float) else each.default
+            notes.append(f"default: {default}")
+        yield f"- `--{option}`: {setting.help}" + (f" ({'; '.join(notes)})" if notes else "")
 
 
 def _table(kind: type) -> Iterator[str]:

@@ -45,9 +45,12 @@ def draw_all(result: Record, folder: str | Path) -> list[Path]:
     Raises:
         OSError: if the folder or a picture cannot be written.
     """
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    return [draw_file(draw, folder / f"{name}.png") for name, draw in pictures(result).items()]
+    drawn = []
+    for path, failure in draw_each(result, Path(folder)):
+        if failure is not None:
+            raise failure
+        drawn.append(path)
+    return drawn
 
 
 def draw_each(result: Record, folder: Path) -> Iterator[tuple[Path, Exception | None]]:
