@@ -14,7 +14,6 @@ from page import FOLDER, Page
 from celltrain import Stability, Train, stability, steady
 from celltrain.diagnostics import disturbance_amplitude
 from celltrain.evolution import Leading, RandomDisplacement, linear_prediction
-from celltrain.results import write_dataset
 
 FILE = FOLDER / "data" / "ad-hoc.nc"
 DEGREE, CELLS, DIAMETER, AMPLITUDE = 12, 8, 10.0, 0.1
@@ -156,12 +155,7 @@ def compute(page: Page) -> xr.Dataset:
 
 def study() -> None:
     page = Page("ad_hoc", "The ad hoc disturbance: what makes it slow?")
-    if FILE.is_file():
-        with xr.open_dataset(FILE) as data:
-            data.load()
-    else:
-        data = compute(page)
-        write_dataset(data, FILE)
+    data = page.kept(FILE, compute)
     page.text(
         f"""
 Fig. 11: cells displaced at random, without deformation, take 4.3 (packing 0.2) and 2.7 (packing

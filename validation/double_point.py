@@ -12,7 +12,6 @@ from page import FOLDER, Page, plain_figure
 
 from celltrain import Train, steady
 from celltrain.parameters import paper_units
-from celltrain.results import write_dataset
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.spectrum import growing_eigenvalues
@@ -69,12 +68,7 @@ def meeting(data: xr.Dataset, degree: int) -> tuple[float, float]:
 
 def study() -> None:
     page = Page("double_point", "Two eigenvalues over the strength of the flow (Fig. 16a)")
-    if FILE.is_file():
-        with xr.open_dataset(FILE) as data:
-            data.load()
-    else:
-        data = compute(page)
-        write_dataset(data, FILE)
+    data = page.kept(FILE, compute)
     solver = tomllib.loads(SOLVER.read_text())
     page.text(
         """

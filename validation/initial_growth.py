@@ -8,7 +8,6 @@ import xarray as xr
 from page import FOLDER, Page, plain_figure
 
 from celltrain import Train, steady
-from celltrain.results import write_dataset
 from celltrain.stability import NORMS, StrainNorm, normed_block
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.neutral import neutral_space
@@ -69,12 +68,7 @@ def compute(page: Page) -> xr.Dataset:
 
 def study() -> None:
     page = Page("initial_growth", "Initial growth rates over the degree (P11, P12)")
-    if FILE.is_file():
-        with xr.open_dataset(FILE) as data:
-            data.load()
-    else:
-        data = compute(page)
-        write_dataset(data, FILE)
+    data = page.kept(FILE, compute)
     page.text(
         f"""
 eta, the largest growth rate at the first moment (Eq. 15) of disturbances that keep the cells'

@@ -3,15 +3,17 @@
 import os
 import textwrap
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
+import xarray as xr
 from matplotlib.figure import Figure
 from rich.console import Console
 
 from celltrain import __version__
+from celltrain.results import write_dataset
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "validation"
 DOTS_PER_INCH = 110
@@ -52,6 +54,14 @@ class Page:
         """A line of progress on standard error, with the seconds so far."""
         seconds = time.perf_counter() - self.begin
         self.console.print(f"{self.name} {seconds:6.0f} s: {message}", highlight=False)
+
+    def kept(self, path: Path, compute: Callable[["Page"], xr.Dataset]) -> xr.Dataset:
+        """The data in a file; computed and written there if it is not."""
+        if path.is_file():
+            return xr.load_dataset(path)
+        data = compute(self)
+        write_dataset(data, path)
+        return data
 
     def write(self) -> Path:
         """Write the page; returns its path."""

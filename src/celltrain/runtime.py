@@ -35,7 +35,7 @@ def _configure() -> None:
 
 
 def check_jax() -> None:
-    """See to it that JAX can compute what is wanted.
+    """Refuse settings of JAX with which nothing can be computed.
 
     Raises:
         UnsuitableSetting: if it cannot as it is set, with what to do.

@@ -62,9 +62,9 @@ class SimulationPresentation(Presentation[Run]):
         frames, wall = result.frames, float(result.history["wall_seconds"][-1])
         speed = 3600.0 * result.reached / wall if wall > 0.0 else math.nan
         console.print(case_line(result.base))
-        table = quantities_table("Simulation", result, {"until": ".6g"})
+        table = quantities_table("Simulation", result, {})
         for name, value, unit in (
-            ("time reached", f"{result.reached:.6g}", "r0/U"),
+            ("time reached", f"{result.reached:.6g} of {result.until:.6g}", "r0/U"),
             ("steps (rejected)", f"{result.steps} ({result.work.rejected})", ""),
             ("evaluations of the velocity", f"{result.work.evaluations}", ""),
             ("eps, first and last", _pair(frames["eps"]), "r0"),
@@ -77,7 +77,7 @@ class SimulationPresentation(Presentation[Run]):
             ("speed", f"{speed:.3g}", "r0/U per hour"),
         ):
             table.add_row(name, value, unit)
-        table.caption = f"{result.disturbance}; {result.ending.message}"
+        table.caption = f"disturbance {result.disturbance}; {result.ending.message}"
         console.print(table)
 
     @classmethod

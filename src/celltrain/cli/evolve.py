@@ -189,7 +189,7 @@ def _named(output: Path | None) -> Path:
 
 
 def _check_new(output: Path, until: float | None, overwrite: bool) -> None:
-    """See to it that a new simulation is possible, before anything is computed."""
+    """Refuse a new simulation that is not possible, before anything is computed."""
     if until is None:
         raise CaseError("until is missing (last time, r0/U); allowed: a number > 0")
     if output.exists() and not overwrite:

@@ -109,7 +109,7 @@ class Keeper:
 
 
 def _drop_standard_output() -> None:
-    """See to it that what is left in its buffer fails no second time, when the process ends."""
+    """Let what is left in its buffer go nowhere: it must not fail again when the process ends."""
     if sys.__stdout__ is None or sys.stdout is not sys.__stdout__:
         return
     nowhere = os.open(os.devnull, os.O_WRONLY)

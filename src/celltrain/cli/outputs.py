@@ -12,7 +12,7 @@ DEFAULT_LAST = Path("celltrain-last.nc")
 
 
 def check_output(path: Path, name: str = "output") -> None:
-    """See to it that a result can be saved as ``path``; an existing file is left as it is.
+    """Refuse a path that no result can be saved as; an existing file is left as it is.
 
     ``name`` is that of the option in messages.
 
