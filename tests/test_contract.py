@@ -332,8 +332,12 @@ def test_names_that_are_taken(tmp_path: Path) -> None:
     assert set(TAKEN) == set(OTHERS)
     (tmp_path / "show.py").write_text(OWN)
     (tmp_path / "bytes.py").write_bytes(b"\xff\xfe\x00class")
+    (tmp_path / ".#own.py").symlink_to("what an editor keeps beside an open file")
     folders = os.pathsep.join([str(tmp_path), str(tmp_path / "nowhere")])
-    program = "import sys; from celltrain.cli import main; sys.exit(main())"
+    program = (
+        "import sys; from celltrain.cli import main; from celltrain.contract import commands;"
+        " print(commands()); sys.exit(main())"
+    )
     done = subprocess.run(
         [sys.executable, "-c", program, "show", "missing.nc"],
         env=os.environ | {"CELLTRAIN_ANALYSES": folders},
@@ -342,6 +346,8 @@ def test_names_that_are_taken(tmp_path: Path) -> None:
         check=False,
     )
     assert done.returncode == 2
+    assert "'bytes'" in done.stdout
+    assert ".#own" not in done.stdout
     assert "there is a command or a kind of result 'show'" in done.stderr
     assert "nowhere' is not there" in done.stderr
     assert "file = 'missing.nc' cannot be read" in done.stderr

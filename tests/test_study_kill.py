@@ -86,7 +86,7 @@ def started(folder: Path) -> list[tuple[str, int]]:
 def records(folder: Path) -> dict[float, CaseRecord]:
     """All records of the folder by diameter; each must be whole, with its steady train."""
     found = {}
-    for path in (folder / "cases").glob("*.json"):
+    for path in (folder / "cases").glob("[!.]*.json"):  # hidden ones are being written
         record = CaseRecord.model_validate_json(path.read_text())
         if record.status == "finished":
             load(path.with_suffix(".nc"))

@@ -28,7 +28,7 @@ def _files() -> dict[str, Path]:
     for folder in analyses.__path__:
         if not Path(folder).is_dir():
             _warn(f"the folder {folder!r} is not there")
-        for path in sorted(Path(folder).glob("*.py")):
+        for path in sorted(Path(folder).glob("[!.]*.py")):
             name = path.stem.removeprefix("_")
             if path.stem == "__init__":
                 continue
