@@ -1,8 +1,11 @@
 """Files on a disk that is full: the system's limit of a file's size stands for it."""
 
 import errno
+import os
 import resource
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -22,13 +25,18 @@ CASE = ["base", "--diameter", "6", "--packing", "0.2", "--quiet"]
 
 @pytest.fixture
 def small_disk() -> Iterator[int]:
-    """Files of this process may have 2000 bytes."""
+    """Files of this process may have 2000 bytes; what it compiles is not kept."""
+    import jax
+
+    seconds = jax.config.jax_persistent_cache_min_compile_time_secs
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", float("inf"))
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (2000, before[1]))
     yield 2000
     resource.setrlimit(resource.RLIMIT_FSIZE, before)
     signal.signal(signal.SIGXFSZ, handler)
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", seconds)
 
 
 def test_a_result_is_printed_before_its_loss_is_told(
@@ -61,6 +69,46 @@ def test_a_simulation_ends_with_what_it_has(coarse_base, tmp_path: Path, request
     assert run.ending.message == "the file could not be written: File too large"
     assert len(run.times) == 1
     assert list(tmp_path.iterdir()) == []
+
+
+PROGRAM = """
+import resource, signal, sys
+from celltrain.cli.kept_programs import mended_programs
+with mended_programs():
+    import celltrain.runtime, jax
+    if sys.argv[1:]:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), -1))
+    def doubled(x):
+        return 2 * x
+    def halved(x):
+        return x / 2
+    print(jax.jit(doubled)(2.0), jax.jit(halved)(2.0))
+"""
+
+
+def test_compiled_programs_that_were_cut_short_are_made_anew(tmp_path: Path) -> None:
+    def run(*limit: str) -> str:
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM, *limit],
+            env=os.environ | {"XDG_CACHE_HOME": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert done.stdout == "4.0 1.0\n"
+        return done.stderr
+
+    kept = tmp_path / "celltrain" / "compiled"
+    assert run("500").startswith("celltrain: what was compiled cannot be kept: File too large")
+    assert list(kept.glob("jit_doubled*-cache")) == []
+    assert run() == ""
+    (entry,) = kept.glob("jit_doubled*-cache")
+    whole = entry.stat().st_size
+    entry.write_bytes(entry.read_bytes()[: whole // 2])
+    assert run() == ""
+    (entry,) = kept.glob("jit_doubled*-cache")
+    assert entry.stat().st_size == whole
 
 
 def test_symbolic_links_are_followed(make_base, tmp_path: Path) -> None:

@@ -62,6 +62,9 @@ CACHE = _cache()
 if CACHE is None:
     _without_home()
 
+#: Where JAX keeps compiled programs, unless the user has given it a folder.
+PROGRAMS = None if CACHE is None else os.path.join(CACHE, "compiled")
+
 #: Environment of a process that computes in one thread, beside others that do the same.
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",

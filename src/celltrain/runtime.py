@@ -19,7 +19,7 @@ import jax
 from jax_finufft.options import Opts
 
 from celltrain.clock import compilation
-from celltrain.environment import CACHE, JAX_CAME_FIRST, UnsuitableSetting
+from celltrain.environment import JAX_CAME_FIRST, PROGRAMS, UnsuitableSetting
 
 
 def _setting(name: str) -> Any:
@@ -28,8 +28,8 @@ def _setting(name: str) -> Any:
 
 def _configure() -> None:
     jax.config.update("jax_enable_x64", True)
-    if _setting("jax_compilation_cache_dir") is None and CACHE is not None and not JAX_CAME_FIRST:
-        jax.config.update("jax_compilation_cache_dir", os.path.join(CACHE, "compiled"))
+    if _setting("jax_compilation_cache_dir") is None and PROGRAMS and not JAX_CAME_FIRST:
+        jax.config.update("jax_compilation_cache_dir", PROGRAMS)
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.monitoring.register_event_duration_secs_listener(compilation.listen)
 

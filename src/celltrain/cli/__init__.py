@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from celltrain.cli.interrupts import Interrupts
+from celltrain.cli.kept_programs import mended_programs
 from celltrain.cli.streams import prepare_streams
 
 __all__ = ["main"]
@@ -23,7 +24,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         try:
             from celltrain.cli.app import run  # takes long
 
-            return run(arguments)
+            with mended_programs():
+                return run(arguments)
         except BaseException as error:
             interrupted = isinstance(error, KeyboardInterrupt)
             if not interrupted and interrupts.asked is None:
