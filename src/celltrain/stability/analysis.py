@@ -72,7 +72,8 @@ def stability(
                 accuracy, estimate_error=estimate_error, iteration=iteration, tell=tell
             )
             base = ladder.base(convergence.degree)
-        spectra = _spectra(base, azimuthal_numbers, timings, progress)
+        known = ladder.blocks(base.train.degree)
+        spectra = _spectra(base, azimuthal_numbers, known, timings, progress)
         leading = next(mode for mode in spectra.modes if not mode.neutral)
         if leading.azimuthal_number in ladder.numbers:
             break
@@ -116,6 +117,7 @@ class _Spectra:
 def _spectra(
     base: Base,
     azimuthal_numbers: Sequence[int] | None,
+    known: Blocks,
     timings: dict[str, float],
     progress: Progress | None,
 ) -> _Spectra:
@@ -125,7 +127,9 @@ def _spectra(
     waves = range(cells // 2 + 1)
     with timed(timings, "linearise"):
         phases = [2.0 * np.pi * j / cells for j in waves]
-        blocks = linear_blocks(base, phases, numbers, progress=progress)
+        missing = [m for m in numbers if m not in known]
+        made = linear_blocks(base, phases, missing, progress=progress) if missing else {}
+        blocks = {m: known[m] if m in known else made[m] for m in numbers}
     with timed(timings, "spectrum"):
         spectra = {
             m: [block_spectrum(blocks[m][j], neutral_space(base, m, j)) for j in waves]

@@ -10,7 +10,7 @@ import numpy as np
 
 from celltrain.parameters import CaseError, Train
 from celltrain.parameters.resolution import LARGEST_DEGREE, LEAST_DEGREE
-from celltrain.stability.linearise import linear_blocks
+from celltrain.stability.linearise import Blocks, linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.spectrum import growing_eigenvalues
 from celltrain.steady import Base, NotConverged, steady
@@ -56,6 +56,7 @@ class AbscissaLadder:
         self._phases = own if phases is None else tuple(phases)
         self._bases = {case.train.degree: case} if isinstance(case, Base) else {}
         self._found: dict[tuple[int, int], float] = {}
+        self._blocks: dict[int, Blocks] = {}
 
     def base(self, degree: int, iteration: IterationProgress | None = None) -> Base:
         """The steady train at a degree.
@@ -72,6 +73,10 @@ class AbscissaLadder:
                     train, start=self._start, estimate_error=False, progress=iteration
                 )
         return self._bases[degree]
+
+    def blocks(self, degree: int) -> Blocks:
+        """The blocks at a degree that were needed so far, for all phases."""
+        return self._blocks.get(degree, {})
 
     def abscissa(self, degree: int) -> float:
         """alpha at a degree."""
@@ -146,7 +151,9 @@ class AbscissaLadder:
         if (degree, m) not in self._found:
             base = self.base(degree)
             missing = [n for n in self._numbers if n <= degree and (degree, n) not in self._found]
-            for n, each in linear_blocks(base, self._phases, missing).items():
+            made = linear_blocks(base, self._phases, missing)
+            self._blocks.setdefault(degree, {}).update(made)
+            for n, each in made.items():
                 rates = (
                     growing_eigenvalues(block, neutral_space(base, n, 0 if q == 0.0 else 1))[0].real
                     for q, block in zip(self._phases, each, strict=True)
