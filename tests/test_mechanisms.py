@@ -70,6 +70,19 @@ def flow(coarse_base: Base) -> MeridionalFlow:
     return meridional_flow(coarse_base, radial=21, axial=25)
 
 
+def test_a_velocity_that_is_not_known_is_refused(
+    coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unknown(base: Base, points: np.ndarray) -> np.ndarray:
+        velocity = np.zeros_like(points)
+        velocity[4] = np.nan
+        return velocity
+
+    monkeypatch.setattr("celltrain.train.fluid_velocity", unknown)
+    with pytest.raises(CaseError, match=r"not known at 1 of 6 points .* wider tubes"):
+        meridional_flow(coarse_base, radial=3, axial=2)
+
+
 def test_as_much_fluid_passes_everywhere(coarse_base: Base, flow: MeridionalFlow) -> None:
     """A mean velocity of 1 in the tube, seen from the cells."""
     expected = 0.5 * coarse_base.train.radius**2 * (1.0 - coarse_base.cell_velocity)

@@ -21,6 +21,7 @@ from celltrain.evolution.state import Measures, State
 from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.pictures import run as run_pictures
 from celltrain.pictures.run import spread
+from celltrain.study import collect, make_study
 from celltrain.train import place_cells
 
 PICTURES = ["growth.png", "growth_log_time.png", "snapshots.png", "record.png"]
@@ -145,6 +146,16 @@ def test_what_the_command_refuses(
     message = capsys.readouterr().err
     assert all(part in message for part in parts), message
     assert sorted(each.name for each in tmp_path.iterdir()) == ["base.nc", "text.nc"]
+
+
+def test_a_study_of_which_nothing_is_drawn_says_so(tmp_path: Path, capsys) -> None:
+    study = make_study(
+        {"axes": {"law": ["skalak", "neo_hookean"]}, "case": {"diameter": 6, "packing": 0.2}}
+    )
+    path = save(collect(study, {}), tmp_path / "study.nc")
+    assert main(["plot", str(path)]) == 2
+    assert "nothing of it is drawn" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_simulation_that_has_only_begun_is_drawn(run: Run, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import scipy.linalg
 from numpy.testing import assert_allclose
 
 from celltrain import CaseError, Stability
+from celltrain.analyses.pseudospectrum import BlockPseudospectrum
 from celltrain.pictures import draw_pseudospectrum, draw_structural_sensitivity
 from celltrain.stability import (
     NORMS,
@@ -183,6 +184,10 @@ def test_receptivity_finds_a_mode_in_a_disturbance(coarse_stability: Stability) 
 def test_what_is_refused(coarse_stability: Stability) -> None:
     with pytest.raises(CaseError, match="azimuthal_number = 9"):
         pseudospectrum(coarse_stability, 9, 0)
+    asked = {"azimuthal_number": 1, "wave_number": 0}
+    with pytest.raises(CaseError, match=r"azimuthal_number = 1 .* azimuthal_numbers \(2, 3\)"):
+        BlockPseudospectrum(azimuthal_numbers=(2, 3), **asked).check(coarse_stability.base.train)
+    BlockPseudospectrum(azimuthal_numbers=(1, 3), **asked).check(coarse_stability.base.train)
     with pytest.raises(CaseError, match=r"wave_number = 2 .* 0 to 1"):
         pseudospectrum(coarse_stability, 1, 2)
     with pytest.raises(CaseError, match="left < right"):

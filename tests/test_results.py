@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass, replace
 from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from rich.console import Console
 
 from celltrain import load, show
 from celltrain.contract import kinds, presentation
-from celltrain.quantities import Record, equal, quantities, quantity_of
+from celltrain.quantities import Quantity, Record, equal, quantities, quantity_of
 from celltrain.quantities.fields import hints
 from celltrain.results import from_dataset, save, summary, to_dataset
 from celltrain.results.columns import from_variables, to_variables, walk
@@ -136,6 +136,24 @@ class Part:
     wave: Complex[np.ndarray, " any"]
     number: float | None
     words: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Named(Record):
+    """Quantities by name."""
+
+    columns: Annotated[
+        dict[str, Float[np.ndarray, " step"]],
+        Quantity("", "1", "a number", parts={"eps": Quantity("e", "r0", "growth")}),
+    ]
+
+
+def test_what_is_kept_by_a_quantitys_name_is_a_variable_with_its_meaning() -> None:
+    named = Named({"eps": np.array([0.1, 0.2]), "other": np.zeros(2)})
+    found = to_variables(named)
+    assert set(found) == {"columns_key", "columns_eps", "columns_other"}
+    assert found["columns_eps"].attrs == {"long_name": "growth", "units": "r0", "symbol": "e"}
+    assert_identical(from_variables(Named, found), named)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from celltrain.analyses._study import StudyPresentation
 from celltrain.contract import draw_all, load
 from celltrain.parameters import CaseError, Train
 from celltrain.results import save
@@ -135,6 +136,7 @@ def test_axes_in_si_vary_what_follows_from_the_scales() -> None:
         }
     )
     slow, fast = (case.train for case in study.cases)
+    assert collect(study, {}).data["mean_velocity"].attrs["units"] == "m/s"
     for modulus in ("shear_modulus", "dilatation_modulus", "bending_modulus"):
         assert slow.leaf(modulus) == pytest.approx(2 * fast.leaf(modulus))
     assert slow.tube.diameter == pytest.approx(6)
@@ -328,6 +330,10 @@ def test_results_over_the_axes(study, cheap, tmp_path: Path) -> None:
     meanings = {name: each.meaning for name, each in COLUMNS.items()} | WORDS
     for name, meaning in meanings.items():
         assert data[name].attrs["units"] == meaning.unit
+    # As JSON has it there is no NaN.
+    assert (
+        StudyPresentation.summary(result)["data_vars"]["error_estimate"]["data"] == [[None] * 2] * 3
+    )
     assert load(save(result, tmp_path / "study.nc")) == result
     lines = result.table().splitlines()
     assert lines[0].startswith("| diameter, r0 | packing | alpha, U/r0 |")

@@ -101,7 +101,7 @@ def symbol(field: FieldInfo) -> str | None:
 def described(field: FieldInfo) -> str:
     """A field's description with its unit: ``"diameter of the tube, r0"``."""
     measured = _among(field, Dimension)
-    unit = "" if measured is None or measured == NUMBER else f", {measured.unit}"
+    unit = "" if measured is None or measured.unit == "1" else f", {measured.unit}"
     return f"{field.description or ''}{unit}"
 
 

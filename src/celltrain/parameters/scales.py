@@ -1,10 +1,10 @@
 """The three SI scales that make a case dimensionless, and what they make of other quantities."""
 
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import Field
 
-from celltrain.parameters.dimension import Dimension
+from celltrain.parameters.dimension import Dimension, Symbol
 from celltrain.parameters.section import Real, Section
 
 
@@ -14,13 +14,13 @@ class Scales(Section):
     They do not enter a dimensionless computation; results are reported in SI with them.
     """
 
-    radius: Real = Field(
+    radius: Annotated[Real, Dimension("m"), Symbol("r_0")] = Field(
         default=2.8e-6, gt=0, description="radius r0 of the sphere of a cell's volume, m"
     )
-    mean_velocity: Real = Field(
+    mean_velocity: Annotated[Real, Dimension("m/s"), Symbol("U")] = Field(
         default=2.875e-3, gt=0, description="mean velocity U in the tube, m/s"
     )
-    plasma_viscosity: Real = Field(
+    plasma_viscosity: Annotated[Real, Dimension("Pa s"), Symbol(r"\mu")] = Field(
         default=1.2e-3, gt=0, description="viscosity mu of the plasma, Pa s"
     )
 

@@ -50,9 +50,10 @@ def axis_label(axis: xr.DataArray) -> str:
     """The symbol of an axis with its unit, which is that of the study's file."""
     name, unit = str(axis.name), axis.attrs.get("units", "")
     known = DIMENSIONS.get(name)
-    if known is None or unit in ("", "1", known.unit):
+    text = axis.attrs.get("symbol", "")
+    if not text or unit in ("", "1") or (known is not None and unit == known.unit):
         return LABELS.get(name, name.replace("_", " "))
-    return f"${axis.attrs['symbol']}$ ({unit})"
+    return f"${text}$ ({unit})"
 
 
 def _draw(data: xr.Dataset, name: str, path: Path) -> Path:

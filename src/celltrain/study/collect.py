@@ -8,9 +8,8 @@ import numpy as np
 import xarray as xr
 
 from celltrain.parameters import Scales
-from celltrain.parameters.dimension import NUMBER
-from celltrain.parameters.fields import symbol
-from celltrain.parameters.routing import DIMENSIONS, TAKEN
+from celltrain.parameters.fields import dimension, symbol
+from celltrain.parameters.routing import TAKEN
 from celltrain.study.columns import COLUMNS, WORDS, further
 from celltrain.study.definition import Axis, Study
 from celltrain.study.result import StudyResult
@@ -61,10 +60,10 @@ def collect(study: Study, records: Records) -> StudyResult:
 def _meaning(name: str, units: str) -> dict[str, str]:
     """Attributes of an axis, whose values are in the units of the study file."""
     taken = TAKEN.get(name) or Scales.model_fields[name]
-    dimension = DIMENSIONS.get(name, NUMBER)
+    measured = dimension(taken)
     return {
         "long_name": str(taken.description),
-        "units": (dimension.si if units == "SI" else dimension.unit) or "1",
+        "units": (measured.si if units == "SI" else measured.unit) or "1",
         "symbol": symbol(taken) or "",
     }
 
