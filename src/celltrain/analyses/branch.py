@@ -46,7 +46,7 @@ class SteadyBranch(Analysis[Branch]):
     def dimensionless(self, scales: Scales) -> "SteadyBranch":
         """With the last value in the package's units."""
         dimension = DIMENSIONS.get(self.along, NUMBER)
-        return replace(self, to=float(scales.dimensionless(dimension, self.to)))
+        return replace(self, to=scales.dimensionless(dimension, self.to))
 
     def check(self, train: Train) -> None:
         """Look at case and settings before anything is computed.

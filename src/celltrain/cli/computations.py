@@ -3,7 +3,16 @@
 from collections.abc import Callable, Sequence
 from dataclasses import MISSING, fields, make_dataclass
 from dataclasses import field as dataclass_field
-from typing import Annotated, Any, Literal, cast, get_args, get_origin, get_type_hints
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    Literal,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 from cyclopts import Group, Parameter
 
@@ -11,6 +20,10 @@ from celltrain.cli.arguments import CaseFile, Json, Output, Plot, Quiet, Start
 from celltrain.cli.compute import Request, run
 from celltrain.cli.options import OPTIONS, CaseOptions, given_leaves, reader
 from celltrain.contract import Analysis, Setting, analysis_named
+from celltrain.quantities import Record
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 Command = Callable[..., int]
 #: Options of every command, which no setting may take.
@@ -29,7 +42,7 @@ def __getattr__(name: str) -> Command:
         raise AttributeError(str(error)) from None
 
 
-def command(analysis: type[Analysis[Any]]) -> Command:
+def command(analysis: type[Analysis[Record]]) -> Command:
     """The command of an analysis: its settings, and the options of every case, are its options."""
     options = settings_class(analysis)
 
@@ -58,7 +71,7 @@ def command(analysis: type[Analysis[Any]]) -> Command:
     return compute
 
 
-def settings_class(analysis: type[Analysis[Any]]) -> type[Any]:
+def settings_class(analysis: type[Analysis[Record]]) -> "type[DataclassInstance]":
     """A dataclass of an analysis' settings for cyclopts to read options into."""
     hints = get_type_hints(analysis, include_extras=True)
     group = Group("Analysis", sort_key=1)

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
@@ -36,7 +35,7 @@ class Request:
     quiet: bool = False
 
 
-def run(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Any]) -> int:
+def run(request: Request, leaves: Mapping[str, object], analysis: Analysis[Record]) -> int:
     """Compute what is asked for, show it and keep it; return the exit status.
 
     Raises:
@@ -68,7 +67,9 @@ def run(request: Request, leaves: Mapping[str, Any], analysis: Analysis[Any]) ->
     return analysis.status(result) or keeper.status
 
 
-def read_request(request: Request, leaves: Mapping[str, Any]) -> tuple[Train, Base | None, Units]:
+def read_request(
+    request: Request, leaves: Mapping[str, object]
+) -> tuple[Train, Base | None, Units]:
     """The case that a request means, the steady train to start from if there is one, and the units.
 
     These are those of the options, or else of the case file.
@@ -87,12 +88,13 @@ def read_request(request: Request, leaves: Mapping[str, Any]) -> tuple[Train, Ba
         case, start, name = None, case, "case"
     known = read_start(start, name) if start else None
     content = read_case(case) if case else None
-    units = leaves.get("units", (content or {}).get("units", "dimensionless"))
-    return read_train(content, known, leaves), known, units
+    train = read_train(content, known, leaves)
+    in_si = {**(content or {}), **leaves}.get("units") == "SI"
+    return train, known, "SI" if in_si else "dimensionless"
 
 
 def read_train(
-    case: Mapping[str, Any] | None, start: Base | None, leaves: Mapping[str, Any]
+    case: Mapping[str, object] | None, start: Base | None, leaves: Mapping[str, object]
 ) -> Train:
     """The case of a request: its file's, or its start's, with the options' leaves.
 

@@ -43,7 +43,7 @@ def _help(name: str, field: FieldInfo) -> str:
     return f"{described(field)} ({'; '.join(notes)})" if notes else described(field)
 
 
-def reader(kind: type, otherwise: str) -> Callable[[Any, Sequence[Token]], Any]:
+def reader(kind: type, otherwise: str) -> Callable[[object, Sequence[Token]], object]:
     """How an option with numbers is read: strictly, as an int is otherwise rounded."""
 
     def read(hint: Any, tokens: Sequence[Token]) -> Any:
@@ -92,7 +92,7 @@ OPTIONS: Any = _option_class()
 CaseOptions: Any = Annotated[OPTIONS | None, Parameter(name="*")]
 
 
-def given_leaves(options: object) -> dict[str, Any]:
+def given_leaves(options: object) -> dict[str, object]:
     """The leaves (and ``units``, ``unusual``) that were given on the command line."""
     if options is None:
         return {}

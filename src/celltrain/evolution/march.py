@@ -89,7 +89,7 @@ class March:
         self._saved_at, self._saving = self._clock, 0.0
         self._checked = -np.inf
 
-    def begin(self, first: Step[Any]) -> None:
+    def begin(self, first: Step[Memory]) -> None:
         """Enter the beginning of a new simulation, a step that led from nowhere."""
         self._commit(first, Work(), [self._frame(first.state)])
 
@@ -196,7 +196,7 @@ class March:
         met = overlaps(state.shapes, period=train.length, radius=train.radius)
         return str(met[0]) if met else None
 
-    def _commit(self, step: Step[Any] | None, wasted: Work, frames: list[Row]) -> None:
+    def _commit(self, step: Step[Memory] | None, wasted: Work, frames: list[Row]) -> None:
         """Enter frames, and a step unless it is None, with the work of its failed attempts."""
         known = self._committed
         self._frames[known.frames :] = frames
@@ -206,7 +206,7 @@ class March:
             known = _Committed(step.state, step.memory, work, known.steps + 1, known.frames)
         self._committed = replace(known, frames=known.frames + len(frames))
 
-    def _row(self, step: Step[Any], work: Work) -> Row:
+    def _row(self, step: Step[Memory], work: Work) -> Row:
         state = step.state
         first = self._steps[0]["eps"] if self._steps else state.measures.eps
         return step_row(

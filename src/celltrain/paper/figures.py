@@ -66,7 +66,9 @@ def paper_study(figure: PaperFigure, *, quick: bool, degree: int | None = None) 
     name = f"{figure.study}-quick.toml" if quick else f"{figure.study}.toml"
     content = read_case(str(files("celltrain.paper").joinpath(name)))
     if degree is not None:
-        content["case"] = {**content["case"], "degree": degree}
+        case = content["case"]
+        assert isinstance(case, dict)
+        content["case"] = case | {"degree": degree}
     return make_study(content)
 
 

@@ -4,10 +4,11 @@ import math
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import SupportsFloat
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from celltrain.parameters import Train, merge_case, paper_units
 
@@ -28,7 +29,7 @@ class Finding:
     holds: bool | None
 
 
-def finding(name: str, statement: str, found: str, holds: Any, needed: Any) -> Finding:
+def finding(name: str, statement: str, found: str, holds: object, needed: ArrayLike) -> Finding:
     """A finding that is not known unless all of the numbers that it needs are."""
     numbers = np.asarray(needed, dtype=float)
     if numbers.size == 0 or not np.isfinite(numbers).all():
@@ -66,7 +67,7 @@ def at(values: xr.DataArray, **places: float) -> xr.DataArray:
     return values
 
 
-def number(value: Any, error: Any = math.nan) -> str:
+def number(value: SupportsFloat, error: SupportsFloat = math.nan) -> str:
     """A number with its error, if that is known: ``0.118 +- 0.017``."""
     value, error = float(value), float(error)
     if not math.isfinite(value):

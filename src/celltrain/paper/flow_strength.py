@@ -18,6 +18,7 @@ from celltrain.paper.finding import (
 )
 from celltrain.paper.resolutions import Resolutions
 from celltrain.parameters import paper_units
+from celltrain.parameters.dimension import SURFACE_MODULUS
 
 #: The paper's usual capillary number.
 USUAL = 0.66
@@ -33,7 +34,7 @@ def in_paper_axes(data: xr.Dataset) -> xr.Dataset:
     """A study in SI over mean velocities, over Ca as the paper counts it and diameters in r0."""
     train = first_case(data)
     scales = train.scales
-    modulus = train.leaves("SI")["shear_modulus"]
+    modulus = scales.si(SURFACE_MODULUS, train.cell.shear_modulus)
     capillary = scales.plasma_viscosity * data["mean_velocity"].values / modulus
     return data.assign_coords(
         diameter=data["diameter"].values / scales.radius,

@@ -1,7 +1,6 @@
 """The paper's trains at either resolution, and the data of single trains beside each other."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import xarray as xr
 
@@ -23,7 +22,7 @@ def analysed(
     numbers: Sequence[int] | None = NUMBERS,
     start: Base | None = None,
     cells: int = CELLS,
-    **case: Any,
+    **case: object,
 ) -> Stability:
     """The linear dynamics of a train; without a degree it rises until alpha is known.
 
@@ -34,7 +33,7 @@ def analysed(
 
 
 def dataset(
-    variables: dict[str, tuple[Any, ...]], coordinates: dict[str, Any], title: str
+    variables: dict[str, tuple[object, ...]], coordinates: dict[str, object], title: str
 ) -> xr.Dataset:
     """Data with a title; variables are (dimensions, values, unit, words)."""
     return xr.Dataset(

@@ -3,7 +3,6 @@
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from celltrain.parameters.errors import CaseError
 from celltrain.parameters.routing import LEAVES, SCALE_LEAVES, SI_LEAVES, flatten
@@ -14,7 +13,7 @@ from celltrain.parameters.usual import check_scales, check_volume
 UNITS = ("dimensionless", "SI")
 
 
-def read_case(path: str | Path) -> dict[str, Any]:
+def read_case(path: str | Path) -> dict[str, object]:
     """The content of a TOML case file, not checked yet.
 
     Names of other files in it are relative to its folder.
@@ -32,14 +31,14 @@ def read_case(path: str | Path) -> dict[str, Any]:
     return {name: _beside(Path(path), name, each) for name, each in content.items()}
 
 
-def _beside(path: Path, name: str, value: Any) -> Any:
+def _beside(path: Path, name: str, value: object) -> object:
     """A value of a case file, with the names of other files relative to that file's folder."""
     if isinstance(value, Mapping):
         return {each: _beside(path, each, inner) for each, inner in value.items()}
     return str(path.parent / value) if name == "profile" and isinstance(value, str) else value
 
 
-def merge_case(case: Mapping[str, Any], leaves: Mapping[str, Any]) -> Train:
+def merge_case(case: Mapping[str, object], leaves: Mapping[str, object]) -> Train:
     """A train from the content of a case file, with leaves by name put over it.
 
     The key ``units`` ("dimensionless", the default, or "SI") says in what units both are, and
@@ -80,7 +79,7 @@ def merge_case(case: Mapping[str, Any], leaves: Mapping[str, Any]) -> Train:
     return train
 
 
-def load_case(path: str | Path, **leaves: Any) -> Train:
+def load_case(path: str | Path, **leaves: object) -> Train:
     """The train that a TOML case file describes, with leaves put over it by name.
 
     Sections are ``[tube]``, ``[cell]``, ``[train]``, ``[flow]`` and ``[resolution]``. With

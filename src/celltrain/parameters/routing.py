@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
-from typing import Any
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -52,8 +51,8 @@ SCALE_LEAVES = ("radius", "mean_velocity", "plasma_viscosity")
 
 
 def flatten(
-    case: Mapping[str, Any], sections: Mapping[str, tuple[str, ...]] = LEAVES
-) -> dict[str, Any]:
+    case: Mapping[str, object], sections: Mapping[str, tuple[str, ...]] = LEAVES
+) -> dict[str, object]:
     """The leaves of a case that gives them in sections, by their own names, or as a mixture.
 
     A section may be a mapping or an object such as ``Tube(diameter=6)``, which gives all its
@@ -62,7 +61,7 @@ def flatten(
     Raises:
         CaseError: for an unknown name (with the close ones) and for a leaf that is given twice.
     """
-    leaves: dict[str, Any] = {}
+    leaves: dict[str, object] = {}
     home = {leaf: section for section, names in sections.items() for leaf in names}
     for name, value in case.items():
         if name in sections:
@@ -89,7 +88,7 @@ def flatten(
     return leaves
 
 
-def nest(leaves: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def nest(leaves: Mapping[str, object]) -> dict[str, dict[str, object]]:
     """Leaves sorted into the sections of a case file; every section is there, maybe empty."""
     return {
         section: {name: leaves[name] for name in names if name in leaves}

@@ -1,6 +1,6 @@
 """The three SI scales that make a case dimensionless, and what they make of other quantities."""
 
-from typing import Annotated, Any
+from typing import Annotated, overload
 
 from pydantic import Field
 
@@ -39,17 +39,25 @@ class Scales(Section):
         viscosity = self.plasma_viscosity**dimension.viscosity
         return viscosity * self.mean_velocity**dimension.velocity * self.radius**dimension.length
 
-    def dimensionless(self, dimension: Dimension, value: Any) -> Any:
+    @overload
+    def dimensionless(self, dimension: Dimension, value: float) -> float: ...
+    @overload
+    def dimensionless(self, dimension: Dimension, value: object) -> object: ...
+    def dimensionless(self, dimension: Dimension, value: object) -> object:
         """An SI value in r0, U, mu; what is not a number is left for the validation to refuse."""
         if isinstance(value, bool) or not isinstance(value, int | float):
             return value
         unit = self.unit(dimension)
         return value if unit == 1.0 else value / unit
 
-    def si(self, dimension: Dimension, value: Any) -> Any:
+    @overload
+    def si(self, dimension: Dimension, value: float) -> float: ...
+    @overload
+    def si(self, dimension: Dimension, value: object) -> object: ...
+    def si(self, dimension: Dimension, value: object) -> object:
         """A value in r0, U, mu as its SI value: the inverse of :meth:`dimensionless`."""
         unit = self.unit(dimension)
-        return value if unit == 1.0 or value is None else value * unit
+        return value * unit if unit != 1.0 and isinstance(value, int | float) else value
 
 
 #: The scales at which the defaults of a case are those of a red blood cell.

@@ -1,6 +1,7 @@
 """The base of every group of parameters: frozen, closed, strict, with readable errors."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
@@ -23,6 +24,12 @@ class Section(BaseModel):
     """A group of parameters; making one raises :class:`CaseError` for what is not allowed."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    @classmethod
+    def of(cls, leaves: Mapping[str, object]) -> Self:
+        """A section of those of its fields that are among leaves, as they were given."""
+        given: dict[str, Any] = {name: leaves[name] for name in cls.model_fields if name in leaves}
+        return cls(**given)
 
     # Hidden from type checkers, which should see the fields as the arguments.
     if not TYPE_CHECKING:

@@ -6,7 +6,6 @@ a case is given another one by another U, all SI values staying as they are.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 from celltrain.parameters.errors import CaseError
 from celltrain.parameters.routing import DIMENSIONS, KEPT
@@ -24,7 +23,7 @@ MODULI = tuple(
 )
 
 
-def weakened(leaves: Mapping[str, Any], factor: float) -> dict[str, Any]:
+def weakened(leaves: Mapping[str, object], factor: float) -> dict[str, float]:
     """The leaves that depend on the flow's strength, in a flow with U/factor in place of U.
 
     **Arguments:** `leaves`: values by name, in r0, U and mu; a default stands for one that is not
@@ -39,8 +38,8 @@ def weakened(leaves: Mapping[str, Any], factor: float) -> dict[str, Any]:
 
 
 def put_over(
-    leaves: Mapping[str, Any], given: Mapping[str, Any], *, si: bool = False
-) -> dict[str, Any]:
+    leaves: Mapping[str, object], given: Mapping[str, object], *, si: bool = False
+) -> dict[str, object]:
     """A case's leaves with others put over them, on all of which a given capillary number acts.
 
     The numbers that depend on the flow's strength change, and with them the mean velocity among
@@ -55,7 +54,7 @@ def put_over(
     merged = {**leaves, **given}
     if _NAME not in given:
         return merged
-    wanted = Strength(**{_NAME: merged.pop(_NAME)}).capillary_number
+    wanted = Strength.of({_NAME: merged.pop(_NAME)}).capillary_number
     for name in ("mean_velocity",) if si else DRIVEN:
         if name in given:
             raise CaseError(
@@ -65,20 +64,20 @@ def put_over(
     return _stronger_in_si(merged, wanted) if si else _stronger(merged, wanted)
 
 
-def _stronger(leaves: Mapping[str, Any], wanted: float) -> dict[str, Any]:
+def _stronger(leaves: Mapping[str, object], wanted: float) -> dict[str, object]:
     known = leaves.get("scales", REFERENCE)
-    scales = known if isinstance(known, Scales) else Scales(**known)
+    scales = Scales(**known) if isinstance(known, Mapping) else known
+    assert isinstance(scales, Scales)
     # Only where the moduli are allowed is there a capillary number before.
-    cell = Cell(**{name: leaves[name] for name in Cell.model_fields if name in leaves})
-    factor = cell.capillary_number / wanted
+    factor = Cell.of(leaves).capillary_number / wanted
     slower = {**scales.model_dump(), "mean_velocity": scales.mean_velocity / factor}
     return {**leaves, **weakened(leaves, factor), "scales": Scales(**slower)}
 
 
-def _stronger_in_si(leaves: Mapping[str, Any], wanted: float) -> dict[str, Any]:
-    scales = Scales(**{name: leaves[name] for name in Scales.model_fields if name in leaves})
+def _stronger_in_si(leaves: Mapping[str, object], wanted: float) -> dict[str, object]:
+    scales = Scales.of(leaves)
     dimension = DIMENSIONS["shear_modulus"]
     usual = REFERENCE.si(dimension, Cell().shear_modulus)
     shear = scales.dimensionless(dimension, leaves.get("shear_modulus", usual))
-    before = Cell(shear_modulus=shear).capillary_number
+    before = Cell.of({"shear_modulus": shear}).capillary_number
     return {**leaves, "mean_velocity": scales.mean_velocity * wanted / before}

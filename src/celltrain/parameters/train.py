@@ -1,7 +1,7 @@
 """A complete case: a train of cells in a tube, checked, and dimensionless inside."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import model_validator
 
@@ -43,12 +43,12 @@ class Train(Spacing):
 
     if TYPE_CHECKING:  # the leaves arrive by name: more arguments than fields
 
-        def __init__(self, **leaves: Any) -> None: ...
+        def __init__(self, **leaves: object) -> None: ...
 
     @model_validator(mode="before")
     @classmethod
-    def _route(cls, given: Any) -> Any:
-        given = dict(given)
+    def _route(cls, leaves_or_sections: Mapping[str, object]) -> dict[str, object]:
+        given = dict(leaves_or_sections)
         scales = {"scales": given.pop("scales")} if "scales" in given else {}
         leaves = put_over(scales, flatten(given))
         scales = {"scales": leaves.pop("scales")} if "scales" in leaves else {}
@@ -97,7 +97,7 @@ class Train(Spacing):
         """
         return self if self.resolution.degree is not None else self.changed(degree=degree)
 
-    def leaf(self, name: str) -> Any:
+    def leaf(self, name: str) -> object:
         """The value of a leaf by its name, such as ``"packing"``, or the capillary number.
 
         Raises:
@@ -111,7 +111,7 @@ class Train(Spacing):
             raise CaseError(f"{name} is a section, not a leaf")
         return leaves[name]
 
-    def leaves(self, units: Units = "dimensionless") -> dict[str, Any]:
+    def leaves(self, units: Units = "dimensionless") -> dict[str, object]:
         """All leaves by name; in SI together with the three scales, as :meth:`from_si` takes."""
         leaves = flatten(self.sections())
         if units == "dimensionless":
@@ -121,7 +121,7 @@ class Train(Spacing):
         }
         return {**converted, **self.scales.model_dump()}
 
-    def sections(self) -> dict[str, dict[str, Any]]:
+    def sections(self) -> dict[str, dict[str, object]]:
         """The complete case in the sections of a case file, without the scales."""
         spacing = {name: getattr(self, name) for name in Spacing.model_fields}
         return {
@@ -129,7 +129,7 @@ class Train(Spacing):
             for name in SECTIONS
         }
 
-    def changed(self, **leaves: Any) -> "Train":
+    def changed(self, **leaves: object) -> "Train":
         """This case with some leaves (or whole sections) replaced, checked again.
 
         Raises:
@@ -139,7 +139,7 @@ class Train(Spacing):
         return Train(**put_over({**self.leaves(), "scales": scales}, flatten(leaves)))
 
     @classmethod
-    def from_si(cls, **case: Any) -> "Train":
+    def from_si(cls, **case: object) -> "Train":
         """A train from SI values under the same leaf names: m, N/m, N m.
 
         The scales are the leaves ``radius`` (r0, m), ``mean_velocity`` (U, m/s) and
@@ -153,9 +153,9 @@ class Train(Spacing):
         return cls._from_si_leaves(put_over({}, flatten(case, SI_LEAVES), si=True))
 
     @classmethod
-    def _from_si_leaves(cls, leaves: Mapping[str, Any]) -> "Train":
+    def _from_si_leaves(cls, leaves: Mapping[str, object]) -> "Train":
         given = {name: leaves[name] for name in Scales.model_fields if name in leaves}
-        scales = Scales(**given)
+        scales = Scales.of(given)
         # Defaults are the same in SI at all scales.
         defaults = {
             name: field.default * (REFERENCE.unit(DIMENSIONS[name]) / scales.unit(DIMENSIONS[name]))
@@ -192,7 +192,7 @@ class Train(Spacing):
         return "\n".join(lines) + "\n"
 
 
-def _toml(value: Any) -> str:
+def _toml(value: object) -> str:
     if isinstance(value, str):
         return f'"{value}"'
     if isinstance(value, tuple):

@@ -5,7 +5,6 @@ computed of them is right, and means nothing. Who means it says so, by `unusual 
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -46,13 +45,13 @@ def check_volume(train: Train) -> None:
     )
 
 
-def check_scales(given: Mapping[str, Any]) -> None:
+def check_scales(given: Mapping[str, object]) -> None:
     """Refuse scales that are no red blood cell's in a capillary.
 
     Raises:
         CaseError: for what is no scale at all, and with each value in the unit in which it is read.
     """
-    scales, lines = Scales(**given), []
+    scales, lines = Scales.of(given), []
     for name in given:
         value, usual = getattr(scales, name), getattr(REFERENCE, name)
         if not usual / SCALE_FACTOR <= value <= usual * SCALE_FACTOR:

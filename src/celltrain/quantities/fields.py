@@ -36,7 +36,7 @@ def unit_label(unit: str) -> str:
     return f" (${symbols}$)" if unit != "s" else " (s)"
 
 
-def split(hint: Any) -> tuple[Any, Quantity | None]:
+def split(hint: object) -> tuple[object, Quantity | None]:
     """A hint without its annotations, and the quantity among them."""
     if get_origin(hint) is not Annotated:
         return hint, None
@@ -44,7 +44,7 @@ def split(hint: Any) -> tuple[Any, Quantity | None]:
     return inner, next((note for note in notes if isinstance(note, Quantity)), None)
 
 
-def hints(kind: type) -> dict[str, tuple[Any, Quantity | None]]:
+def hints(kind: type) -> dict[str, tuple[object, Quantity | None]]:
     """Type and quantity of each field of a dataclass, in order."""
     return _hints(cast(Hashable, kind))
 

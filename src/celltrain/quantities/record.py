@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Mapping
 from numbers import Number
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,7 +23,7 @@ class Record:
         return equal(self, other) if type(other) is type(self) else NotImplemented
 
 
-def equal(one: Any, other: Any) -> bool:
+def equal(one: object, other: object) -> bool:
     """Whether two values are the same, element by element and field by field."""
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
         return _equal_arrays(np.asarray(one), np.asarray(other))
@@ -34,9 +34,9 @@ def equal(one: Any, other: Any) -> bool:
     if dataclasses.is_dataclass(one):
         names = (field.name for field in dataclasses.fields(one) if field.compare)
         return all(equal(getattr(one, name), getattr(other, name)) for name in names)
-    if isinstance(one, Mapping):
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
         return list(one) == list(other) and all(equal(one[key], other[key]) for key in one)
-    if isinstance(one, list | tuple):
+    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
         return len(one) == len(other) and all(map(equal, one, other))
     return bool(one == other)
 

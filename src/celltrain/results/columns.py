@@ -85,7 +85,7 @@ class _Written:
         return tuple(found)
 
 
-def to_variables(result: Any) -> dict[str, xr.Variable]:
+def to_variables(result: object) -> dict[str, xr.Variable]:
     """The variables of a result, which is a dataclass.
 
     Raises:
@@ -356,7 +356,7 @@ def walk(kind: type, prefix: str = "") -> Iterator[tuple[str, type, str]]:
             yield from walk(each, f"{prefix}{name}_")
 
 
-def parts_of(hint: Any) -> list[type]:
+def parts_of(hint: object) -> list[type]:
     """The dataclasses that a type of a field is made of."""
     hint, _ = split(hint)
     if _is_array(hint) or _scalar(hint) is not None:

@@ -60,4 +60,4 @@ def parameter_value(train: Train, name: str) -> float:
     check_parameters([name], train)
     value = train.leaf(name)
     # Only a reduced volume may be left open.
-    return healthy_reduced_volume(train.degree) if value is None else float(value)
+    return float(value) if isinstance(value, int | float) else healthy_reduced_volume(train.degree)

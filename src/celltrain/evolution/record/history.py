@@ -6,13 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from celltrain.evolution.methods.integrator import Step, Work
+from celltrain.evolution.methods import Memory, Step, Work
 
 Row = dict[str, Any]
 
 
 def step_row(
-    step: Step[Any], work: Work, *, eps_linear: float, eps_exponential: float, wall_seconds: float
+    step: Step[Memory],
+    work: Work,
+    *,
+    eps_linear: float,
+    eps_exponential: float,
+    wall_seconds: float,
 ) -> Row:
     """What is kept of a step: a number for each of `STEP_QUANTITIES`.
 
