@@ -184,7 +184,14 @@ def test_command(curves, monkeypatch, tmp_path, capsys) -> None:
     assert_allclose(content["growth_rates"]["1"], curves.growth_rates(1), rtol=0)
     assert sorted(each.name for each in tmp_path.iterdir()) == ["curves.nc", "dispersion.png"]
     assert main(case) == 0
-    assert "most unstable: growth rate" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "most unstable: growth rate" in said
+    speed, rate = curves.base.cell_velocity, curves.most_unstable.growth_rate
+    words = "Marginally stable: nothing grows"
+    if rate > 1e-4:
+        grows = f"the fastest disturbance grows e-fold over {speed / rate:.3g} r0"
+        words = "Not resolved" if curves.error_estimate >= rate else f"Unstable: {grows}"
+    assert words in " ".join(said.split())
 
 
 def test_command_refuses(capsys) -> None:

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from celltrain.contract import Draw, Progress, Setting
 from celltrain.contract.analysis import OfDynamics
-from celltrain.contract.tables import case_line, seconds_line, titled
+from celltrain.contract.tables import case_line, seconds_line, titled, verdict_line
 from celltrain.parameters import Train
 from celltrain.results import Plain
 from celltrain.stability import (
@@ -18,6 +18,7 @@ from celltrain.stability import (
     infinite_train,
 )
 from celltrain.stability.infinite import check_phases
+from celltrain.stability.verdict import infinite_verdict
 from celltrain.steady import Base
 
 
@@ -88,6 +89,7 @@ class InfiniteStability(OfDynamics[InfiniteTrain]):
         """Print the most unstable wave, and the curves as a table."""
         best = result.most_unstable
         console.print(case_line(result.base, "infinite train"))
+        console.print(verdict_line(infinite_verdict(result)))
         length = "all cells alike"
         if best.phase > 0.0:
             length = f"{2.0 * np.pi / best.phase:.4g} cells a wave"

@@ -6,12 +6,11 @@ from typing import Annotated
 
 from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
 from celltrain.analyses.base import SteadyTrain, print_base
 from celltrain.contract import Draw, Progress, Setting
 from celltrain.contract.analysis import OfDynamics
-from celltrain.contract.tables import case_line, rate, seconds_line, titled
+from celltrain.contract.tables import case_line, rate, seconds_line, titled, verdict_line
 from celltrain.parameters import Train, paper_units
 from celltrain.results import Plain, plain
 from celltrain.stability import (
@@ -24,7 +23,7 @@ from celltrain.stability import (
     stability,
     with_error_bars,
 )
-from celltrain.stability.verdict import is_marginal, leading_error, verdict, wave_words
+from celltrain.stability.verdict import leading_error, verdict, wave_words
 from celltrain.steady import Base
 
 # Modes listed in the report, and in JSON.
@@ -93,7 +92,7 @@ class LinearStability(OfDynamics[Stability]):
         console.print(case_line(result.base))
         print_base(result.base, console)
         console.print()
-        console.print(_verdict_line(result))
+        console.print(verdict_line(verdict(result)))
         console.print(_rates(result))
         console.print(_degrees(result), style="dim", highlight=False)
         console.print(_modes_table(result))
@@ -118,12 +117,6 @@ class LinearStability(OfDynamics[Stability]):
         if result.error_bars:
             found["error_bars"] = lambda path: draw_error_bars(result, path)
         return found
-
-
-def _verdict_line(result: Stability) -> Text:
-    head, rest = verdict(result).split(":", 1)
-    color = "green" if is_marginal(result) else "red"
-    return Text.assemble((head[0].upper() + head[1:], f"bold {color}"), ":" + rest)
 
 
 def _rates(result: Stability) -> Table:

@@ -31,6 +31,13 @@ def case_line(base: Base, cells: str | None = None) -> Text:
     return text
 
 
+def verdict_line(words: str) -> Text:
+    """Whether a train is stable: green if it is, red if it is not or not known to be."""
+    head, rest = words.split(":", 1)
+    color = "green" if "stable" in head.split() else "red"
+    return Text.assemble((head[0].upper() + head[1:], f"bold {color}"), ":" + rest)
+
+
 def rate(value: float) -> str:
     """A growth rate in as many digits as matter."""
     if math.isnan(value):
