@@ -37,6 +37,7 @@ from celltrain.evolution.record.interpolation import interpolated
 from celltrain.evolution.start import at_degree
 from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
 from celltrain.proximity.overlaps import overlaps
+from celltrain.proximity.walls import RoundWall
 from celltrain.stability import PaperNorm
 from celltrain.train import place_cells
 
@@ -401,7 +402,7 @@ def test_overlaps_are_named(coarse_base: Base) -> None:
     shapes = place_cells(coarse_base.coefficients, train, 3)
 
     def met(shapes: np.ndarray) -> list[str]:
-        found = overlaps(shapes, period=train.length, radius=train.radius)
+        found = overlaps(shapes, period=train.length, wall=RoundWall(train.radius))
         return [str(each) for each in found]
 
     assert met(shapes) == []

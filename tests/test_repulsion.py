@@ -55,9 +55,8 @@ def of_spheres(degree: int, *, length: float = FAR, radius: float = FAR) -> Film
     """Films of unit spheres."""
     grid = sphere_grid(1, 6 * degree)
     train = Train(diameter=6, packing=0.2, cells=2, degree=degree)
-    made = film_forces(train, Repulsion(RANGE))
-    areas = np.asarray(grid.weights)
-    return dataclasses.replace(made, length=length, radius=radius, areas=areas)
+    made = film_forces(train.cell, degree, RoundTube(radius, length), Repulsion(RANGE))
+    return dataclasses.replace(made, areas=np.asarray(grid.weights))
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +180,8 @@ def test_cells_that_cross_have_no_force(films: FilmForces) -> None:
     found = films(crossing)
     assert found.gap < 0.0
     assert np.isnan(found.forces).all()
-    beyond = dataclasses.replace(films, radius=0.99)(crossing[:1])
+    narrow = RoundTube(0.99, films.surroundings.period)
+    beyond = dataclasses.replace(films, surroundings=narrow)(crossing[:1])
     assert_allclose(beyond.gap, -0.01, atol=1e-3)
 
 
