@@ -29,6 +29,7 @@ from celltrain.evolution.record.repulsion import repulsion_record
 from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.proximity.distances import cell_distance
+from celltrain.surroundings import RoundTube
 
 DEGREE = 6
 FAR = 40.0

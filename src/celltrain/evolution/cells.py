@@ -61,13 +61,14 @@ class CellsInFlow:
         middles = np.asarray(places, dtype=float).reshape(-1, 3)
         return displaced(np.repeat(shape[None], len(middles), axis=0), middles)
 
-    def operator(self, *, wall_gap: float | None = None) -> CellsOperator:
-        """From shapes to their rates of change; `wall_gap` as for `cells_operator`."""
+    def operator(self, *, close: bool = True, wall_gap: float | None = None) -> CellsOperator:
+        """From shapes to their rates of change; arguments as for `cells_operator`."""
         return cells_operator(
             self.cell,
             self.resolution,
             self.surroundings,
             viscosity_ratio=self.viscosity_ratio,
+            close=close,
             wall_gap=wall_gap,
         )
 
@@ -84,8 +85,9 @@ class CellsInFlow:
             )
         if not np.isfinite(shapes).all():
             raise CaseError("shapes with NaN or infinite coefficients are not allowed")
-        operator = self.operator(wall_gap=wall_gap)
         around = self.surroundings
+        alone = len(shapes) == 1 and around.empty
+        operator = self.operator(close=not alone, wall_gap=wall_gap)
         return Dynamics(
             operator=operator,
             base=jnp.asarray(shapes),

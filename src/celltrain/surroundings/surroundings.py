@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from celltrain.flow import SurroundingFlow
 from celltrain.flow.close_targets import CloseEvaluation
-from celltrain.proximity.walls import Wall
+from celltrain.proximity.walls import NoWall, Wall
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,11 @@ class Surroundings(abc.ABC):
     @abc.abstractmethod
     def flow(self, rules: FlowRules) -> SurroundingFlow:
         """The flow around cells, for the operator."""
+
+    @property
+    def empty(self) -> bool:
+        """Whether a single cell has nothing else around it, neither a wall nor images."""
+        return not self.recurs and isinstance(self.wall, NoWall)
 
     @property
     def recurs(self) -> bool:
