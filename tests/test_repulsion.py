@@ -216,7 +216,7 @@ def test_distance_of_membranes_along_each_other(dynamics: Dynamics) -> None:
     shapes[1, 0, 0] += 0.1 * UNIT_DISPLACEMENT
     for gap in (0.02, 0.05):
         nested = with_gap(dynamics.film_forces, shapes, gap)
-        found = cell_distance(nested, float(dynamics.length))
+        found = cell_distance(nested, dynamics.surroundings.period)
         assert_allclose(found, gap, rtol=0, atol=1e-3)
 
 
