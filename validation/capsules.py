@@ -19,20 +19,23 @@ from page import FOLDER, Page, plain_figure
 
 from celltrain.diagnostics import best_ellipsoid, cell_moments
 from celltrain.evolution import CellsInFlow, Repulsion, RungeKuttaChebyshev, Snapshot, follow
-from celltrain.harmonics import displaced
+from celltrain.harmonics import displaced, surface_points
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import Cell, Resolution
 from celltrain.surroundings import simple_shear
 
 PUBLISHED = FOLDER / "data" / "capsules-published.json"
-FILE = FOLDER / "data" / "capsules.nc"
+ONE, TWO = (FOLDER / "data" / f"capsules-{name}.nc" for name in ("one", "two"))
 #: What reading a printed curve may be wrong by, in D and in an offset over 2a.
 READING = {"D": 0.003, "offset": 0.01}
 #: Plateaus and final offset as printed.
-PLATEAUS = {"neo_hookean_0.05": 0.261, "neo_hookean_0.1": 0.384, "neo_hookean_0.2": 0.500}
+PLATEAUS = {0.05: 0.261, 0.1: 0.384, 0.2: 0.500}
 FINAL_OFFSET = 0.546
 DEGREE, COARSER, FINER = 12, 8, 16
 SLOPE = 25.0 / 12.0
+MEASURES = ["ellipsoid", "distances"]
+#: Weaker flows, in search of that which has the published plateaus.
+FACTORS = (0.8, 0.9, 1.0)
 #: Bending modulus over a^2 Es.
 BENDING = 0.0375
 #: Two capsules: mu k a/Gs, inflation, and where the second is seen from the first, in 2a.
@@ -51,7 +54,7 @@ class Shear:
     viscosity_ratio: float = 1.0
 
     def deformations(self, every: float = 0.1) -> xr.DataArray:
-        """D over k t."""
+        """D over k t, by the ellipsoid of inertia and by distances from the centre."""
         modulus = 2.0 / self.strength
         cell = {"law": "neo_hookean", "shear_modulus": modulus, "bending_modulus": 0.0, **self.cell}
         cells = CellsInFlow(
@@ -71,13 +74,19 @@ class Shear:
                 integrator=method,
             )
         )
-        found = [float(_deformation(membrane, jnp.asarray(each.shapes[0]))) for each in marched]
-        return xr.DataArray(found, {"time": [each.time for each in marched]})
+        found = [_deformations(membrane, jnp.asarray(each.shapes[0])) for each in marched]
+        times = [each.time for each in marched]
+        return xr.DataArray(np.array(found).T, {"measure": MEASURES, "time": times})
 
 
 @eqx.filter_jit
-def _deformation(membrane: Membrane, shape: jax.Array) -> jax.Array:
-    return best_ellipsoid(cell_moments(membrane, shape).solid).taylor_deformation
+def _deformations(membrane: Membrane, shape: jax.Array) -> jax.Array:
+    moments = cell_moments(membrane, shape)
+    points = surface_points(shape, membrane.tables.value) - moments.centroid
+    distances = jnp.linalg.norm(points, axis=1)
+    least, largest = jnp.min(distances), jnp.max(distances)
+    by_distances = (largest - least) / (largest + least)
+    return jnp.stack([best_ellipsoid(moments.solid).taylor_deformation, by_distances])
 
 
 @eqx.filter_jit
@@ -131,8 +140,8 @@ def shear_cases() -> dict[str, Shear]:
     return cases
 
 
-def compute(page: Page) -> xr.Dataset:
-    """All curves, and how they change with degree and steps."""
+def compute_one(page: Page) -> xr.Dataset:
+    """Curves of one capsule, and how they change with degree, steps and capillary number."""
     found: dict[str, xr.DataArray] = {}
     for name, case in shear_cases().items():
         for suffix, change in (
@@ -143,13 +152,25 @@ def compute(page: Page) -> xr.Dataset:
             page.log(f"{name}{suffix}")
             curve = Shear(**{**vars(case), **change}).deformations()
             found[name + suffix] = curve.rename(time=f"time_{name}{suffix}")
+    for ca in PLATEAUS:
+        for factor in FACTORS[:-1]:
+            page.log(f"Ca = {factor:g} times {ca:g}")
+            weaker = Shear(3.0 * ca * factor, 8.0 if ca > 0.05 else 5.0, degree=COARSER)
+            name = f"neo_hookean_{ca:g}_{factor:g}"
+            found[name] = weaker.deformations().rename(time=f"time_{name}")
     for ratio in (0.2, 1.0, 5.0):
         for law in ("neo_hookean", "skalak"):
             page.log(f"small deformation, {law}, viscosity ratio {ratio:g}")
             cell = {"law": law, "dilatation_modulus": 2.0 / SMALL}
             case = Shear(SMALL, SETTLED, cell, COARSER, 1e-4, ratio)
-            last = case.deformations(every=SETTLED)[-1]
+            last = case.deformations(every=SETTLED)[0, -1]
             found[f"small_{law}_{ratio:g}"] = xr.DataArray(float(last))
+    return xr.Dataset(found)
+
+
+def compute_two(page: Page) -> xr.Dataset:
+    """Paths of two capsules, and how they change with degree, steps and inflation."""
+    found: dict[str, xr.DataArray] = {}
     for name, arguments in (
         ("crossing", {}),
         ("crossing_coarser", {"degree": COARSER}),
@@ -174,9 +195,12 @@ def published() -> dict[str, np.ndarray]:
     return {name: np.array(curve["points"]) for name, curve in kept.items()}
 
 
-def on_curve(data: xr.Dataset, name: str, times: np.ndarray) -> np.ndarray:
+def on_curve(
+    data: xr.Dataset, name: str, times: np.ndarray, measure: str = "ellipsoid"
+) -> np.ndarray:
     """A computed D at other times."""
-    return np.interp(times, data[f"time_{name}"].values, data[name].values)
+    values = data[name].sel(measure=measure).values
+    return np.interp(times, data[f"time_{name}"].values, values)
 
 
 def offsets(data: xr.Dataset, name: str, x: np.ndarray) -> np.ndarray:
@@ -190,13 +214,13 @@ def change(data: xr.Dataset, name: str) -> float:
     times = data[f"time_{name}"].values
     others = (on_curve(data, f"{name}_{each}", times) for each in ("coarser", "steps"))
     coarser, steps = others
-    by_degree = np.abs(data[name].values - coarser).max()
+    by_degree = np.abs(on_curve(data, name, times) - coarser).max()
     return float(by_degree + np.abs(steps - coarser).max())
 
 
 def study() -> None:
     page = Page("capsules", "Capsules in unbounded shear, by published numbers")
-    data = page.kept(FILE, compute)
+    one, two = page.kept(ONE, compute_one), page.kept(TWO, compute_two)
     page.text(
         f"""
 Spherical capsules of radius a in the flow u = k y e_x, the same fluid inside and outside unless
@@ -206,13 +230,13 @@ axis of the ellipsoid with the capsule's second moments. Membranes are neo-Hooke
 unless stated; Gs is the shear modulus at small strain, here Es/2. Degree {DEGREE}, steps with the
 usual tolerance. The published points were read off printed curves (`data/{PUBLISHED.name}`), which
 may be wrong by about {READING["D"]:g} in D and {READING["offset"]:g} in an offset. What is computed
-is kept in `data/{FILE.name}`; remove it to have it anew.
+is kept in `data/{ONE.name}` and `data/{TWO.name}`; remove them to have it anew.
 """
     )
-    small_deformation(page, data)
-    large_deformation(page, data)
-    crossing_capsules(page, data)
-    draw(page, data)
+    small_deformation(page, one)
+    large_deformation(page, one)
+    crossing_capsules(page, two)
+    draw(page, one, two)
     page.write()
 
 
@@ -294,6 +318,53 @@ at most: degree {COARSER} in place of {DEGREE}, and steps with a tenth of the to
         ),
         rows,
     )
+    differences_explained(page, data)
+
+
+def differences_explained(page: Page, data: xr.Dataset) -> None:
+    """What was looked at where the curves differ."""
+    rows = []
+    for ca, plateau in PLATEAUS.items():
+        name = f"neo_hookean_{ca:g}"
+        points = published()[name]
+        last = points[-(-3 * len(points) // 4) :, 0]
+        suffixes = (*(f"_{factor:g}" for factor in FACTORS[:-1]), "_coarser")
+        late = [on_curve(data, name + suffix, last).mean() for suffix in suffixes]
+        factor = float(np.interp(plateau, late, FACTORS))
+        rows.append(
+            (
+                f"{ca:g}",
+                f"{plateau:.3f}",
+                f"{on_curve(data, name, last).mean():.4f}",
+                f"{on_curve(data, name, last, 'distances').mean():.4f}",
+                f"{factor * ca:.4f}",
+                f"{100.0 * (factor - 1.0):+.0f} %",
+            )
+        )
+    page.text(
+        """
+None of these curves is met to within the reading of it but at places: the computed D is above
+the published one, from 2 % at k t = 1 to 5 % late, and the published curves fall from a maximum
+that the computed ones at Ca = 0.05 do not have. The cause is open. It is not the degree or the
+steps, whose errors are ten times smaller and more; nor the strength of the membrane or of the flow
+at small strain, whose slope is exact above; nor what D is taken from: with the largest and the
+smallest distance from the centre in place of the ellipsoid's axes it is nearly the same. Two
+capsules that cross, below, follow a published path of another method. A weaker flow would have the
+published plateaus; by how much is in the last columns. With bending, the energy comes nearer to
+the published curve than the moments that it is said to be made with.
+"""
+    )
+    page.table(
+        (
+            "Ca",
+            "published plateau",
+            "D",
+            "D by distances",
+            "Ca with that plateau",
+            "change of Ca",
+        ),
+        rows,
+    )
 
 
 def crossing_capsules(page: Page, data: xr.Dataset) -> None:
@@ -342,7 +413,7 @@ Expected: the path in Fig. 4b of Lac, Morel & Barthes-Biesel (2007), with the fi
     )
 
 
-def draw(page: Page, data: xr.Dataset) -> None:
+def draw(page: Page, one: xr.Dataset, two: xr.Dataset) -> None:
     """D over time, and the path of two capsules."""
     figure = plain_figure(9.0, 3.9)
     left, right = figure.subplots(1, 2)
@@ -354,7 +425,8 @@ def draw(page: Page, data: xr.Dataset) -> None:
         "bending_0.05_energy": ("C4", "Ca = 0.05, bending energy"),
     }
     for name, (colour, label) in styles.items():
-        left.plot(data[f"time_{name}"], data[name], color=colour, label=label)
+        times = one[f"time_{name}"].values
+        left.plot(times, on_curve(one, name, times), color=colour, label=label)
         if name in published():
             left.plot(*published()[name].T, "o", color=colour, markersize=3, fillstyle="none")
     left.set(xlabel="$k\\,t$", ylabel="$D$", xlim=(0, 8), ylim=(0, 0.72))
@@ -363,7 +435,7 @@ def draw(page: Page, data: xr.Dataset) -> None:
         ("crossing", "C0-", f"inflated by {100 * INFLATION:g} %"),
         ("crossing_not_inflated", "C1--", "not inflated"),
     ):
-        right.plot(*data[name].values.T, style, label=label)
+        right.plot(*two[name].values.T, style, label=label)
     right.plot(*published()["crossing"].T, "ko", markersize=3, fillstyle="none", label="published")
     right.set(xlabel="$x/(2a)$", ylabel="$y/(2a)$", xlim=(-4.2, 6.2), ylim=(0.2, 0.8))
     right.legend(frameon=False, fontsize=8, loc="upper left")

@@ -1,13 +1,16 @@
 """What the operator of cells of any shape asks of the flow around them, whatever bounds it."""
 
 import abc
-from typing import Any
 
 import equinox as eqx
 from jaxtyping import Array, Float, Int
 
+from celltrain.flow.close_targets import CloseTargets
 from celltrain.flow.sources import Sources
 from celltrain.harmonics.jax_shapes import JaxShapes
+
+# For each set of points at which a flow is evaluated, the targets first.
+CloseTargetSets = tuple[CloseTargets, ...]
 
 
 class SurroundingFlow(eqx.Module):
@@ -30,7 +33,7 @@ class SurroundingFlow(eqx.Module):
         owners: Int[Array, " group"],
         sources: Sources,
         *,
-        close_targets: Any = None,
+        close_targets: CloseTargetSets | None = None,
         background: bool = True,
     ) -> Float[Array, "group ring azimuth 3"]:
         """Velocity at points in the fluid or on cells, in U.
@@ -49,8 +52,10 @@ class SurroundingFlow(eqx.Module):
         points: Float[Array, "cell source_ring source_azimuth 3"],
         *,
         shapes: JaxShapes | None = None,
-    ) -> Any:
-        """What `velocity` needs to know of points close to cells' grid points; None: of none.
+    ) -> CloseTargetSets | None:
+        """Which targets, and which other points that `velocity` needs, are close to cells.
+
+        That is to their grid points; None where no point may be close.
 
         **Arguments:** `shapes`: prepares double layers on these cells, for many densities.
         """

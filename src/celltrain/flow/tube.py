@@ -22,19 +22,16 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from celltrain.flow.cell_sums import CELL_SHARE, CellSums
-from celltrain.flow.close_targets import CloseEvaluation, CloseTargets
+from celltrain.flow.close_targets import CloseEvaluation
 from celltrain.flow.ewald import ewald_split, far_velocity_modes
 from celltrain.flow.sources import Sources
-from celltrain.flow.surrounding_flow import SurroundingFlow
+from celltrain.flow.surrounding_flow import CloseTargetSets, SurroundingFlow
 from celltrain.flow.transform import Transform, transform
 from celltrain.flow.wall import TubeWall, tube_wall
 from celltrain.harmonics.jax_shapes import JaxShapes
 
 # Close pairs listed for each point of the wall, on average.
 WALL_SHARE = 0.5
-
-# Of the targets and of the points of the wall.
-TubeCloseTargets = tuple[CloseTargets, CloseTargets]
 
 
 class PeriodicTube(SurroundingFlow):
@@ -75,7 +72,7 @@ class PeriodicTube(SurroundingFlow):
         owners: Int[Array, " group"],
         sources: Sources,
         *,
-        close_targets: TubeCloseTargets | None = None,
+        close_targets: CloseTargetSets | None = None,
         background: bool = True,
     ) -> Float[Array, "group ring azimuth 3"]:
         """See `SurroundingFlow`; without the background the mean velocity is 0 instead of 1."""
@@ -125,7 +122,7 @@ class PeriodicTube(SurroundingFlow):
         points: Float[Array, "cell source_ring source_azimuth 3"],
         *,
         shapes: JaxShapes | None = None,
-    ) -> TubeCloseTargets | None:
+    ) -> CloseTargetSets | None:
         """See `SurroundingFlow`; those among the targets, and those among the wall's points."""
         strips, _ = self.wall.strips()
         wall = self.wall.points().reshape(-1, 3)[strips]

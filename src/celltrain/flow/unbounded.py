@@ -14,9 +14,9 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from celltrain.flow.cell_sums import CELL_SHARE, CellSums
-from celltrain.flow.close_targets import CloseEvaluation, CloseTargets
+from celltrain.flow.close_targets import CloseEvaluation
 from celltrain.flow.sources import Sources
-from celltrain.flow.surrounding_flow import SurroundingFlow
+from celltrain.flow.surrounding_flow import CloseTargetSets, SurroundingFlow
 from celltrain.harmonics.jax_shapes import JaxShapes
 
 
@@ -37,14 +37,15 @@ class UnboundedFlow(SurroundingFlow):
         owners: Int[Array, " group"],
         sources: Sources,
         *,
-        close_targets: CloseTargets | None = None,
+        close_targets: CloseTargetSets | None = None,
         background: bool = True,
     ) -> Float[Array, "group ring azimuth 3"]:
         """See `SurroundingFlow`."""
         if close_targets is None and sources.surface is not None:
             close_targets = self.close_targets(targets, owners, sources.points)
         groups = targets.reshape(targets.shape[0], -1, 3)
-        total = self.near.velocity(groups, owners, sources, close_targets).reshape(targets.shape)
+        by_cells = None if close_targets is None else close_targets[0]
+        total = self.near.velocity(groups, owners, sources, by_cells).reshape(targets.shape)
         return total + targets @ self.gradient.T if background else total
 
     def close_targets(
@@ -54,10 +55,11 @@ class UnboundedFlow(SurroundingFlow):
         points: Float[Array, "cell source_ring source_azimuth 3"],
         *,
         shapes: JaxShapes | None = None,
-    ) -> CloseTargets | None:
+    ) -> CloseTargetSets | None:
         """See `SurroundingFlow`."""
         groups = targets.reshape(targets.shape[0], -1, 3)
-        return self.near.close_targets(groups, owners, points, CELL_SHARE, shapes=shapes)
+        found = self.near.close_targets(groups, owners, points, CELL_SHARE, shapes=shapes)
+        return None if found is None else (found,)
 
 
 def unbounded_flow(
