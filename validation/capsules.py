@@ -230,7 +230,8 @@ axis of the ellipsoid with the capsule's second moments. Membranes are neo-Hooke
 unless stated; Gs is the shear modulus at small strain, here Es/2. Degree {DEGREE}, steps with the
 usual tolerance. The published points were read off printed curves (`data/{PUBLISHED.name}`), which
 may be wrong by about {READING["D"]:g} in D and {READING["offset"]:g} in an offset. What is computed
-is kept in `data/{ONE.name}` and `data/{TWO.name}`; remove them to have it anew.
+is kept in `data/{ONE.name}` and `data/{TWO.name}`; remove them to have it anew, in 5 to 20
+minutes.
 """
     )
     small_deformation(page, one)
@@ -247,7 +248,8 @@ def small_deformation(page: Page, data: xr.Dataset) -> None:
         f"""
 To first order D = 25/12 mu k a/Gs, whatever the viscosity ratio, for the neo-Hookean law and for
 Skalak's with C = Ed/Es = 1 (Barthes-Biesel & Rallison 1981). Simulated at mu k a/Gs = {SMALL:g},
-degree {COARSER}; the table shows D/(mu k a/Gs), expected {SLOPE:.5f}.
+degree {COARSER}; the table shows D/(mu k a/Gs), expected {SLOPE:.5f} but for what is of second
+order in the flow's strength times the viscosity ratio.
 """
     )
     page.table(
@@ -351,7 +353,7 @@ at small strain, whose slope is exact above; nor what D is taken from: with the 
 smallest distance from the centre in place of the ellipsoid's axes it is nearly the same. Two
 capsules that cross, below, follow a published path of another method. A weaker flow would have the
 published plateaus; by how much is in the last columns. With bending, the energy comes nearer to
-the published curve than the moments that it is said to be made with.
+the published curve than the moments, which are that paper's law.
 """
     )
     page.table(
