@@ -16,7 +16,7 @@ from measuring import Work, run_stage
 
 from celltrain import Train, steady
 from celltrain.flow import Sources
-from celltrain.train import TrainOperator, place_cells, resting_shapes, train_operator
+from celltrain.train import CellsOperator, place_cells, resting_shapes, train_operator
 
 TRAIN = Train(diameter=6, packing=0.2, cells=8, degree=12)
 # Size of the disturbance (r0) that makes the shapes of the train different from each other.
@@ -45,59 +45,60 @@ def _evaluation(part: Callable[..., Any], *prepare: Callable[..., Any]) -> Work:
     return _waited(compiled, operator, *(inputs or [shapes]))
 
 
-def _forces(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
+def _forces(operator: CellsOperator, shapes: jax.Array) -> jax.Array:
     return operator.forces(shapes)
 
 
-def _shapes(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
+def _shapes(operator: CellsOperator, shapes: jax.Array) -> jax.Array:
     return shapes
 
 
-def _targets(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
+def _targets(operator: CellsOperator, shapes: jax.Array) -> jax.Array:
     return operator.targets(shapes)
 
 
-def _loose_targets(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
+def _loose_targets(operator: CellsOperator, shapes: jax.Array) -> jax.Array:
     return operator.targets(shapes).reshape(-1, 3)
 
 
-def _sources(operator: TrainOperator, shapes: jax.Array) -> Sources:
+def _sources(operator: CellsOperator, shapes: jax.Array) -> Sources:
     return operator.sources(shapes, operator.forces(shapes))
 
 
-def _analyse(operator: TrainOperator, sources: Sources) -> jax.Array:
-    return operator.tube._far_modes(sources)
+def _analyse(operator: CellsOperator, sources: Sources) -> jax.Array:
+    return operator.flow._far_modes(sources)
 
 
-def _modes(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
+def _modes(operator: CellsOperator, shapes: jax.Array) -> jax.Array:
     return _analyse(operator, _sources(operator, shapes))
 
 
-def _synthesise(operator: TrainOperator, targets: jax.Array, modes: jax.Array) -> jax.Array:
-    points = jnp.concatenate([targets, operator.tube.wall.points().reshape(-1, 3)])
-    return operator.tube.transform.synthesise(points, modes)
+def _synthesise(operator: CellsOperator, targets: jax.Array, modes: jax.Array) -> jax.Array:
+    points = jnp.concatenate([targets, operator.flow.wall.points().reshape(-1, 3)])
+    return operator.flow.transform.synthesise(points, modes)
 
 
-def _near_wall(operator: TrainOperator, sources: Sources) -> jax.Array:
+def _near_wall(operator: CellsOperator, sources: Sources) -> jax.Array:
     # The tube's own way, so that the same work is measured.
-    strips, _ = operator.tube.wall.strips()
-    points = operator.tube.wall.points().reshape(-1, 3)[strips]
-    return operator.tube._near(points, jnp.full(len(strips), -1), sources, None)
+    strips, _ = operator.flow.wall.strips()
+    points = operator.flow.wall.points().reshape(-1, 3)[strips]
+    return operator.flow.near.velocity(points, jnp.full(len(strips), -1), sources, None)
 
 
-def _near_cells(operator: TrainOperator, targets: jax.Array, sources: Sources) -> jax.Array:
+def _near_cells(operator: CellsOperator, targets: jax.Array, sources: Sources) -> jax.Array:
     cells = sources.cells
-    return operator.tube._near(targets.reshape(cells, -1, 3), jnp.arange(cells), sources, None)
+    groups = targets.reshape(cells, -1, 3)
+    return operator.flow.near.velocity(groups, jnp.arange(cells), sources, None)
 
 
-def _wall_velocity(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
-    points = operator.tube.wall.points()
+def _wall_velocity(operator: CellsOperator, shapes: jax.Array) -> jax.Array:
+    points = operator.flow.wall.points()
     random = np.random.default_rng(1)
     return jnp.asarray(random.normal(size=points.shape))
 
 
-def _wall_flow(operator: TrainOperator, targets: jax.Array, boundary: jax.Array) -> jax.Array:
-    wall = operator.tube.wall
+def _wall_flow(operator: CellsOperator, targets: jax.Array, boundary: jax.Array) -> jax.Array:
+    wall = operator.flow.wall
     return wall.velocity(targets, wall.regular_flow(boundary))
 
 

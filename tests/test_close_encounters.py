@@ -13,7 +13,7 @@ from celltrain import Train
 from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.proximity.overlaps import overlaps
-from celltrain.train import TrainOperator, rates_error, resting_shapes, train_operator
+from celltrain.train import CellsOperator, rates_error, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2
 # All cases share one program: the period, the wall and the grids are the same.
@@ -33,26 +33,26 @@ GAP = 0.3
 
 
 @eqx.filter_jit
-def rates(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
+def rates(operator: CellsOperator, shapes: jax.Array) -> jax.Array:
     return operator.rates(shapes)
 
 
 @eqx.filter_jit
-def velocity_of(operator: TrainOperator, shapes: jax.Array, forces: jax.Array) -> jax.Array:
+def velocity_of(operator: CellsOperator, shapes: jax.Array, forces: jax.Array) -> jax.Array:
     """Velocity by given forces at a viscosity ratio of 1, without a mean flow."""
     targets, sources = operator.targets(shapes), operator.sources(shapes, forces)
     own = operator.own_velocity(targets, shapes, forces)
-    outer = operator.tube.velocity(targets, jnp.arange(CELLS), sources, mean_flow=False)
+    outer = operator.flow.velocity(targets, jnp.arange(CELLS), sources, background=False)
     return own + outer
 
 
 @eqx.filter_jit
-def at_points(operator: TrainOperator, points: jax.Array, shapes: jax.Array) -> jax.Array:
+def at_points(operator: CellsOperator, points: jax.Array, shapes: jax.Array) -> jax.Array:
     return operator.velocity_at(points, shapes, operator.rates(shapes))
 
 
 @pytest.fixture(scope="module")
-def operator() -> TrainOperator:
+def operator() -> CellsOperator:
     return train_operator(TRAIN, cells=CELLS, wall_gap=GAP)
 
 
@@ -141,7 +141,7 @@ def test_estimate_bounds_the_effect_of_each_rule() -> None:
     suppress_health_check=list(HealthCheck),
 )
 @given(seed=st.integers(0, 10**6), ratio=st.sampled_from([0.02, 0.5, 5.0, 200.0]))
-def test_any_configuration(operator: TrainOperator, seed: int, ratio: float) -> None:
+def test_any_configuration(operator: CellsOperator, seed: int, ratio: float) -> None:
     shapes = configuration(seed)
     this = eqx.tree_at(lambda each: each.viscosity_ratio, operator, jnp.asarray(ratio))
     found = np.asarray(rates(this, jnp.asarray(shapes)))
@@ -163,7 +163,7 @@ def test_any_configuration(operator: TrainOperator, seed: int, ratio: float) -> 
     assert_allclose(rates(this, jnp.asarray(moved)), found, rtol=0, atol=2e-5 * size)
 
 
-def test_reciprocity_of_close_cells(operator: TrainOperator) -> None:
+def test_reciprocity_of_close_cells(operator: CellsOperator) -> None:
     random = np.random.default_rng(5)
     shapes = jnp.asarray(configuration(3))
     first, second = random.normal(size=(2, *shapes.shape)) * (np.arange(DEGREE**2) < 16)
@@ -177,7 +177,7 @@ def test_reciprocity_of_close_cells(operator: TrainOperator) -> None:
     assert_allclose(power(first, second), power(second, first), rtol=0, atol=1e-4 * scale)
 
 
-def test_flow_up_to_a_membrane(operator: TrainOperator) -> None:
+def test_flow_up_to_a_membrane(operator: CellsOperator) -> None:
     """Continuous across the membrane, no slip at the wall, no divergence, at a ratio of 5."""
     shapes = jnp.asarray(configuration(6))
     surface = np.asarray(operator.targets(shapes)[0, 4, ::4])

@@ -12,6 +12,7 @@ from celltrain.membrane import reference_coefficients
 from celltrain.meridian.geometry import size_at_rest
 from celltrain.proximity.close_pairs import ClosePairs, close_pairs
 from celltrain.proximity.overlaps import overlaps
+from celltrain.proximity.walls import RoundWall
 
 CELLS, TARGETS, SOURCES, IMAGES = 3, 70, 40, 2
 DISTANCE, PERIOD = 0.35, 3.0
@@ -139,11 +140,11 @@ class TestOverlaps:
     def test_none(self) -> None:
         # Bounding boxes of the first two overlap; the third fits into the dimples of the second.
         shapes = self.cells((0, 0, 0), (1.95, 1.95, 0.2), (1.95, 1.95, 1.12), (0.0, 0.0, -1.0))
-        assert overlaps(shapes, period=2.2, images=1, radius=4.2) == ()
+        assert overlaps(shapes, period=2.2, images=1, wall=RoundWall(4.2)) == ()
 
     def test_names_cells_image_and_place(self) -> None:
         shapes = self.cells((0, 0, 0), (0, 0, 1.2), (0, 0, 2.0))
-        found = overlaps(shapes, period=3.4, radius=1.5)
+        found = overlaps(shapes, period=3.4, wall=RoundWall(1.5))
         assert [(each.first, each.second, each.image) for each in found] == [(1, 2, 0)]
         # The grids' points lie where both are thickest, on the same ring: as deep as they can be.
         thickness = size_at_rest(profile_of(reference_coefficients(6, "biconcave")))[1]
@@ -174,7 +175,7 @@ class TestOverlaps:
         assert [(each.first, each.second, each.image) for each in found] == [(0, 1, 0)]
 
     def test_wall(self) -> None:
-        found = overlaps(self.cells((0, 0, 0), (0.5, 0, 2.0)), period=9.0, radius=1.8)
+        found = overlaps(self.cells((0, 0, 0), (0.5, 0, 2.0)), period=9.0, wall=RoundWall(1.8))
         assert [(each.first, each.second) for each in found] == [(1, None)]
         assert found[0].depth == pytest.approx(0.5 + 1.38582 - 1.8, abs=5e-3)
         assert_allclose(found[0].point, [1.886, 0.0, 2.0], atol=0.08)

@@ -29,6 +29,7 @@ from celltrain.membrane import reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.proximity.distances import cell_distance, wall_distance
+from celltrain.proximity.walls import RoundWall
 from celltrain.stability import PaperNorm
 from celltrain.train import place_cells
 
@@ -270,7 +271,7 @@ def test_distances_of_spheres() -> None:
     last = np.linalg.norm([0.1, 0.6, 8.4 - 6.1]) - 2
     assert_allclose(found, [last, first, last], atol=1e-8)
     walls = 3.0 - 1.0 - np.array([np.hypot(0.3, 0.1), np.hypot(0.4, 0.7), np.hypot(0.2, 0.5)])
-    assert_allclose(wall_distance(shapes, 3.0), walls, atol=1e-8)
+    assert_allclose(wall_distance(shapes, RoundWall(3.0)), walls, atol=1e-8)
     # Whatever whole lengths of the train a cell has gained.
     shapes[1] += affine(np.zeros((3, 3)), np.array([0.0, 0.0, 5 * length]))
     assert_allclose(cell_distance(shapes, length), found, atol=1e-8)
@@ -280,7 +281,7 @@ def test_distance_of_one_cell_from_its_image_and_of_cells_that_cross() -> None:
     assert_allclose(cell_distance(spheres([[0.1, 0.2, 0.0]]), 2.5), [0.5], atol=1e-8)
     crossing = spheres([[0.1, 0.2, 0.0], [0.3, -0.4, 1.2]])
     assert (cell_distance(crossing, 20.0) < 1e-4).all()
-    assert wall_distance(crossing, 1.3)[1] == pytest.approx(1.3 - 1.5, abs=1e-8)
+    assert wall_distance(crossing, RoundWall(1.3))[1] == pytest.approx(1.3 - 1.5, abs=1e-8)
 
 
 def test_distance_of_nested_cells_is_that_of_dense_points(cell: Membrane) -> None:

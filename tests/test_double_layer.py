@@ -16,7 +16,7 @@ from celltrain.flow.own_surface import OwnSurfaceRule
 from celltrain.harmonics import UNIT_DISPLACEMENT, coefficient_index
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.tables import harmonic_tables
-from celltrain.train import TrainOperator, resting_shapes, train_operator
+from celltrain.train import CellsOperator, resting_shapes, train_operator
 
 DEGREE = 7
 
@@ -115,7 +115,7 @@ TRAIN = Train(
 
 
 @pytest.fixture(scope="module")
-def operator() -> TrainOperator:
+def operator() -> CellsOperator:
     return train_operator(TRAIN, cells=2)
 
 
@@ -132,7 +132,7 @@ def shapes() -> np.ndarray:
 
 
 @eqx.filter_jit
-def flow_of_motions(operator: TrainOperator, shapes, motions):
+def flow_of_motions(operator: CellsOperator, shapes, motions):
     """K u as it is computed, without what is known of it."""
     interior = operator.interior_flow(shapes)
     own = jnp.einsum("cij,cj->ci", interior.near, motions.reshape(len(motions), -1))
@@ -140,13 +140,13 @@ def flow_of_motions(operator: TrainOperator, shapes, motions):
 
 
 @eqx.filter_jit
-def flow_at(operator: TrainOperator, points, shapes, motions):
+def flow_at(operator: CellsOperator, points, shapes, motions):
     sources = operator.motion_sources(shapes, motions)
     loose = points[None, :, None]
-    return operator.tube.velocity(loose, jnp.array([-1]), sources, mean_flow=False)[0, :, 0]
+    return operator.flow.velocity(loose, jnp.array([-1]), sources, background=False)[0, :, 0]
 
 
-def test_rigid_motion_of_one_cell(operator: TrainOperator, shapes: np.ndarray) -> None:
+def test_rigid_motion_of_one_cell(operator: CellsOperator, shapes: np.ndarray) -> None:
     interior = eqx.filter_jit(lambda o, s: o.interior_flow(s))(operator, jnp.asarray(shapes))
     for rigid in np.moveaxis(np.asarray(interior.rigid), 1, 0):
         motions = rigid * np.array([1.0, 0.0])[:, None, None]
@@ -154,7 +154,7 @@ def test_rigid_motion_of_one_cell(operator: TrainOperator, shapes: np.ndarray) -
         assert_allclose(found, -0.5 * motions, rtol=0, atol=2e-8)
 
 
-def test_stresslet_identity(operator: TrainOperator, shapes: np.ndarray) -> None:
+def test_stresslet_identity(operator: CellsOperator, shapes: np.ndarray) -> None:
     """A constant gives -1 inside, 0 outside: other cell, images, wall and flow rate included."""
     centres = shapes[:, :, 0] / UNIT_DISPLACEMENT
     # Two in the second cell, one in the first, two in the plasma.
@@ -169,7 +169,7 @@ def test_stresslet_identity(operator: TrainOperator, shapes: np.ndarray) -> None
         assert_allclose(found, expected, rtol=0, atol=1e-8)
 
 
-def test_greens_identity_in_the_tube(operator: TrainOperator, shapes: np.ndarray) -> None:
+def test_greens_identity_in_the_tube(operator: CellsOperator, shapes: np.ndarray) -> None:
     """v/2 = S t - K v for a Stokes flow v inside one cell, t its traction.
 
     v = r^2 e_z and p = 4 z, with vorticity and pressure; an ellipsoid askew, off the axis, for
@@ -199,7 +199,7 @@ def test_greens_identity_in_the_tube(operator: TrainOperator, shapes: np.ndarray
         own = operator.own_velocity(targets, shapes, forces)
         owners = jnp.arange(2)
         sources = operator.sources(shapes, forces)
-        outer = operator.tube.velocity(targets, owners, sources, mean_flow=False)
+        outer = operator.flow.velocity(targets, owners, sources, background=False)
         return operator.project(own + outer)
 
     both = map(jnp.asarray, (shapes, forces))

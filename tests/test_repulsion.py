@@ -29,6 +29,7 @@ from celltrain.evolution.record.repulsion import repulsion_record
 from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.proximity.distances import cell_distance
+from celltrain.surroundings import RoundTube
 
 DEGREE = 6
 FAR = 40.0
@@ -55,9 +56,8 @@ def of_spheres(degree: int, *, length: float = FAR, radius: float = FAR) -> Film
     """Films of unit spheres."""
     grid = sphere_grid(1, 6 * degree)
     train = Train(diameter=6, packing=0.2, cells=2, degree=degree)
-    made = film_forces(train, Repulsion(RANGE))
-    areas = np.asarray(grid.weights)
-    return dataclasses.replace(made, length=length, radius=radius, areas=areas)
+    made = film_forces(train.cell, degree, RoundTube(radius, length), Repulsion(RANGE))
+    return dataclasses.replace(made, areas=np.asarray(grid.weights))
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +181,8 @@ def test_cells_that_cross_have_no_force(films: FilmForces) -> None:
     found = films(crossing)
     assert found.gap < 0.0
     assert np.isnan(found.forces).all()
-    beyond = dataclasses.replace(films, radius=0.99)(crossing[:1])
+    narrow = RoundTube(0.99, films.surroundings.period)
+    beyond = dataclasses.replace(films, surroundings=narrow)(crossing[:1])
     assert_allclose(beyond.gap, -0.01, atol=1e-3)
 
 
@@ -215,7 +216,7 @@ def test_distance_of_membranes_along_each_other(dynamics: Dynamics) -> None:
     shapes[1, 0, 0] += 0.1 * UNIT_DISPLACEMENT
     for gap in (0.02, 0.05):
         nested = with_gap(dynamics.film_forces, shapes, gap)
-        found = cell_distance(nested, float(dynamics.length))
+        found = cell_distance(nested, dynamics.surroundings.period)
         assert_allclose(found, gap, rtol=0, atol=1e-3)
 
 

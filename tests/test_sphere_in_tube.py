@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose
 
 from celltrain import Train
 from celltrain.harmonics import UNIT_DISPLACEMENT, axisymmetric_basis
-from celltrain.train import TrainOperator, resting_shapes, train_operator
+from celltrain.train import CellsOperator, resting_shapes, train_operator
 
 DEGREE = 12
 BASIS = jnp.asarray(axisymmetric_basis(DEGREE))
@@ -27,7 +27,7 @@ BASIS = jnp.asarray(axisymmetric_basis(DEGREE))
 class RigidSphere:
     """Forces (coefficients) on a sphere of radius 1 and what they do."""
 
-    operator: TrainOperator
+    operator: CellsOperator
     mobility: np.ndarray
     moving: np.ndarray
     held: np.ndarray
@@ -44,7 +44,7 @@ class RigidSphere:
 
 
 @eqx.filter_jit
-def mobility_and_flow(operator: TrainOperator, shapes: jax.Array) -> tuple[jax.Array, jax.Array]:
+def mobility_and_flow(operator: CellsOperator, shapes: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Velocities by each member of the basis as a force, one a row, and without any force."""
     targets = operator.targets(shapes)
 

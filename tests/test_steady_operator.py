@@ -15,7 +15,7 @@ from celltrain.meridian.rules import Rules, choose_rules
 from celltrain.steady.iterate import newton
 from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.solve import describe
-from celltrain.train import TrainOperator, place_cells, train_operator
+from celltrain.train import CellsOperator, place_cells, train_operator
 
 
 class Exact(SteadyProblem):
@@ -47,7 +47,7 @@ def test_all_its_cells_move_rigidly(coarse_base: Base) -> None:
     shapes = jnp.asarray(place_cells(base.coefficients, train, train.cells))
 
     @eqx.filter_jit
-    def velocity(operator: TrainOperator, shapes: jax.Array) -> tuple[jax.Array, jax.Array]:
+    def velocity(operator: CellsOperator, shapes: jax.Array) -> tuple[jax.Array, jax.Array]:
         forces, targets = operator.forces(shapes), operator.targets(shapes)
         total = operator.own_velocity(targets, shapes, forces)
         total = total + operator.outer_velocity(targets, shapes, forces)

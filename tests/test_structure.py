@@ -28,6 +28,7 @@ ROOMS = (
     "continuation",
     "compiled",
     "flow",
+    "surroundings",
     "train",
     "diagnostics",
     "results",

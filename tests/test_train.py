@@ -13,7 +13,7 @@ from celltrain import Train
 from celltrain.harmonics import UNIT_DISPLACEMENT, axisymmetric_basis, azimuthal_basis, profile_of
 from celltrain.meridian.rules import choose_rules
 from celltrain.steady.problem import SteadyProblem
-from celltrain.train import TrainOperator, place_cells, resting_shapes, train_operator
+from celltrain.train import CellsOperator, place_cells, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2
 TRAIN = Train(
@@ -26,7 +26,7 @@ TRAIN = Train(
     polar_azimuthal=28,
     tolerance=1e-9,
 )
-Rates = Callable[[TrainOperator, np.ndarray], np.ndarray]
+Rates = Callable[[CellsOperator, np.ndarray], np.ndarray]
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def rates() -> Rates:
 
 
 @pytest.fixture(scope="module")
-def any_shapes() -> TrainOperator:
+def any_shapes() -> CellsOperator:
     # The rule for close cells, which these do not need, takes long to compile.
     return train_operator(TRAIN, cells=CELLS, close=False)
 
@@ -55,7 +55,7 @@ def skewed(axisymmetric: np.ndarray) -> np.ndarray:
     return axisymmetric + 0.05 * np.random.default_rng(1).normal(size=axisymmetric.shape)
 
 
-def soft(operator: TrainOperator) -> TrainOperator:
+def soft(operator: CellsOperator) -> CellsOperator:
     """The same train of cells without any elasticity."""
     membrane = operator.membrane
     return eqx.tree_at(
@@ -70,7 +70,7 @@ def soft(operator: TrainOperator) -> TrainOperator:
 
 
 def test_train_at_rest_is_carried_by_the_flow_alone(
-    any_shapes: TrainOperator, rates: Rates
+    any_shapes: CellsOperator, rates: Rates
 ) -> None:
     resting = resting_shapes(TRAIN, CELLS)
     grid = any_shapes.target_grid
@@ -108,13 +108,13 @@ def test_two_operators_agree(rates: Rates) -> None:
 
 
 def test_derivative_of_the_rates(
-    skewed: np.ndarray, any_shapes: TrainOperator, rates: Rates
+    skewed: np.ndarray, any_shapes: CellsOperator, rates: Rates
 ) -> None:
     step = np.random.default_rng(2).normal(size=skewed.shape)
     step /= np.linalg.norm(step)
 
     @eqx.filter_jit
-    def change(operator: TrainOperator, shapes: jax.Array, step: jax.Array) -> jax.Array:
+    def change(operator: CellsOperator, shapes: jax.Array, step: jax.Array) -> jax.Array:
         return jax.jvp(operator.rates, (shapes,), (step,))[1]
 
     exact = np.asarray(change(any_shapes, jnp.asarray(skewed), jnp.asarray(step)))
@@ -128,7 +128,7 @@ def test_derivative_of_the_rates(
 
 
 def test_turned_and_mirrored_trains_move_alike(
-    skewed: np.ndarray, any_shapes: TrainOperator, rates: Rates
+    skewed: np.ndarray, any_shapes: CellsOperator, rates: Rates
 ) -> None:
     expected = rates(any_shapes, skewed)
     cosine, sine = np.cos(0.7), np.sin(0.7)
@@ -144,7 +144,7 @@ def test_turned_and_mirrored_trains_move_alike(
 
 
 def test_shifted_train_moves_alike(
-    skewed: np.ndarray, any_shapes: TrainOperator, rates: Rates
+    skewed: np.ndarray, any_shapes: CellsOperator, rates: Rates
 ) -> None:
     # By any distance; and the second cell by a period of all, which makes it the first.
     shifted = skewed.copy()
@@ -155,7 +155,7 @@ def test_shifted_train_moves_alike(
 
 
 def test_copies_of_a_cell_move_as_it_does_alone_in_its_period(
-    axisymmetric: np.ndarray, any_shapes: TrainOperator, rates: Rates
+    axisymmetric: np.ndarray, any_shapes: CellsOperator, rates: Rates
 ) -> None:
     alone = rates(train_operator(TRAIN, cells=1, close=False), axisymmetric[:1])
     together = rates(any_shapes, place_cells(axisymmetric[0], TRAIN, CELLS))
@@ -163,7 +163,7 @@ def test_copies_of_a_cell_move_as_it_does_alone_in_its_period(
 
 
 def test_shapes_that_are_no_numbers_have_rates_that_are_none(
-    skewed: np.ndarray, any_shapes: TrainOperator, rates: Rates
+    skewed: np.ndarray, any_shapes: CellsOperator, rates: Rates
 ) -> None:
     for wrong in (np.nan, np.inf):
         shapes = skewed.copy()
@@ -172,7 +172,7 @@ def test_shapes_that_are_no_numbers_have_rates_that_are_none(
 
 
 def test_volume_is_conserved_exactly(
-    skewed: np.ndarray, any_shapes: TrainOperator, rates: Rates
+    skewed: np.ndarray, any_shapes: CellsOperator, rates: Rates
 ) -> None:
     gradient = np.asarray(jax.vmap(any_shapes.membrane.volume_gradient)(jnp.asarray(skewed)))
     found = rates(any_shapes, skewed)
@@ -182,7 +182,7 @@ def test_volume_is_conserved_exactly(
 
 @pytest.mark.parametrize("seed", range(3))
 def test_energy_is_only_lost_without_flow(
-    seed: int, axisymmetric: np.ndarray, any_shapes: TrainOperator, rates: Rates
+    seed: int, axisymmetric: np.ndarray, any_shapes: CellsOperator, rates: Rates
 ) -> None:
     shapes = axisymmetric + 0.05 * np.random.default_rng(seed).normal(size=axisymmetric.shape)
     forces = np.asarray(any_shapes.forces(jnp.asarray(shapes)))

@@ -15,7 +15,7 @@ from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
 from celltrain.stability import linear_blocks
 from celltrain.steady import Base, steady
 from celltrain.steady.problem import SteadyProblem
-from celltrain.train import TrainOperator, place_cells, resting_shapes, train_operator
+from celltrain.train import CellsOperator, place_cells, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2
 TRAIN = Train(
@@ -31,23 +31,23 @@ TRAIN = Train(
 
 
 @eqx.filter_jit
-def rates(operator: TrainOperator, shapes: jax.Array) -> jax.Array:
+def rates(operator: CellsOperator, shapes: jax.Array) -> jax.Array:
     return operator.rates(shapes)
 
 
 @eqx.filter_jit
-def speed_and_viscosity(operator: TrainOperator, shapes: jax.Array) -> tuple[jax.Array, jax.Array]:
+def speed_and_viscosity(operator: CellsOperator, shapes: jax.Array) -> tuple[jax.Array, jax.Array]:
     motions = operator.rates(shapes)
     speed = jnp.mean(motions[:, 2, 0]) / UNIT_DISPLACEMENT
     return speed, operator.effective_viscosity(shapes, operator.forces(shapes), motions)
 
 
-def of_ratio(operator: TrainOperator, ratio: float) -> TrainOperator:
+def of_ratio(operator: CellsOperator, ratio: float) -> CellsOperator:
     return eqx.tree_at(lambda each: each.viscosity_ratio, operator, jnp.asarray(ratio))
 
 
 @pytest.fixture(scope="module")
-def operator() -> TrainOperator:
+def operator() -> CellsOperator:
     return train_operator(TRAIN.changed(viscosity_ratio=5.0), cells=CELLS)
 
 
@@ -61,7 +61,7 @@ def skewed() -> np.ndarray:
     return shapes
 
 
-def test_ratio_one_is_the_limit(operator: TrainOperator, skewed: np.ndarray) -> None:
+def test_ratio_one_is_the_limit(operator: CellsOperator, skewed: np.ndarray) -> None:
     shapes = jnp.asarray(skewed)
     expected = rates(train_operator(TRAIN, cells=CELLS), shapes)
     steps = np.array([1e-2, 1e-3])
@@ -76,7 +76,7 @@ def test_ratio_one_is_the_limit(operator: TrainOperator, skewed: np.ndarray) -> 
 
 @pytest.mark.parametrize("ratio", [0.01, 0.2, 30.0, 1000.0])
 def test_volume_stays_at_any_ratio(
-    operator: TrainOperator, skewed: np.ndarray, ratio: float
+    operator: CellsOperator, skewed: np.ndarray, ratio: float
 ) -> None:
     shapes = jnp.asarray(skewed)
     found = rates(of_ratio(operator, ratio), shapes)
@@ -86,7 +86,7 @@ def test_volume_stays_at_any_ratio(
     assert 0.5 < float(jnp.abs(found).max()) < 50
 
 
-def test_hard_cells_move_rigidly(operator: TrainOperator, skewed: np.ndarray) -> None:
+def test_hard_cells_move_rigidly(operator: CellsOperator, skewed: np.ndarray) -> None:
     shapes = jnp.asarray(skewed)
     interior = eqx.filter_jit(lambda o, s: o.interior_flow(s))(operator, shapes)
 
@@ -112,7 +112,7 @@ def test_train_of_rigid_spheres_is_the_limit() -> None:
 
 
 def test_derivative_of_the_rates(
-    operator: TrainOperator,
+    operator: CellsOperator,
     skewed: np.ndarray,
     difference_order: Callable[..., float],
 ) -> None:
@@ -148,7 +148,7 @@ def test_blocks_are_the_derivative_of_the_rates(viscous_base: Base) -> None:
     operator = train_operator(train, cells=2, close=False)
 
     @eqx.filter_jit
-    def change(operator: TrainOperator, step: jax.Array) -> jax.Array:
+    def change(operator: CellsOperator, step: jax.Array) -> jax.Array:
         return jax.jvp(operator.rates, (shapes,), (step,))[1]
 
     rules = SteadyProblem(train).rules(viscous_base.profile)

@@ -18,7 +18,7 @@ from page import Page, plain_figure
 
 from celltrain import Train
 from celltrain.harmonics import Shape, degree_of, real_harmonics
-from celltrain.train import TrainOperator, train_operator
+from celltrain.train import CellsOperator, train_operator
 
 FILE = "one_cell_matched_viscosity.npz"
 EXPECTED = 6e-4
@@ -88,7 +88,7 @@ def read(path: Path) -> Reference:
 
 
 @eqx.filter_jit
-def _velocity(operator: TrainOperator, shapes: jax.Array, forces: jax.Array | None) -> jax.Array:
+def _velocity(operator: CellsOperator, shapes: jax.Array, forces: jax.Array | None) -> jax.Array:
     """Coefficients of the surface velocity, by the membrane's forces unless others are given."""
     if forces is None:
         return operator.rates(shapes)

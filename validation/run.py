@@ -23,6 +23,7 @@ import ad_hoc
 import agreement
 import boundary
 import breakup
+import capsules
 import convergence
 import disputed
 import double_point
@@ -68,6 +69,7 @@ def main() -> None:
         "norms": lambda _: norms.study(),
         "transients": lambda options: transients.study(options.march),
         "boundary": lambda _: boundary.study(),
+        "capsules": lambda _: capsules.study(),
         # From what the studies above keep.
         "paper": lambda _: paper_page.study(),
         "breakup": lambda options: breakup.study(

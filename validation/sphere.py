@@ -18,7 +18,7 @@ from page import Page, plain_figure
 
 from celltrain import Train
 from celltrain.harmonics import UNIT_DISPLACEMENT, axisymmetric_basis
-from celltrain.train import TrainOperator, close_distance, resting_shapes, train_operator
+from celltrain.train import CellsOperator, close_distance, resting_shapes, train_operator
 
 # Drag factors K1, K2 by the exact series solution, many terms.
 EXPECTED = {0.3: (2.370094890, 2.228976606), 0.5: (5.947374246, 4.995338624)}
@@ -38,7 +38,7 @@ class Drag:
 
 
 @eqx.filter_jit
-def _matrix(operator: TrainOperator, shapes: jax.Array, basis: jax.Array) -> tuple:
+def _matrix(operator: CellsOperator, shapes: jax.Array, basis: jax.Array) -> tuple:
     """Velocity by UNIT_DISPLACEMENT force densities, and by none, in the axisymmetric harmonics."""
 
     def velocity(force: jax.Array) -> jax.Array:
@@ -62,7 +62,7 @@ def drag(ratio: float, period: float = PERIOD, degree: int = 16, **resolution: f
         **resolution,
     )
     basis = axisymmetric_basis(degree)
-    operator = train_operator(train, close=radius - 1.0 < close_distance(train))
+    operator = train_operator(train, close=radius - 1.0 < close_distance(train.resolution))
     shapes = jnp.asarray(resting_shapes(train, 1))
     matrix, undisturbed = (np.asarray(a) for a in _matrix(operator, shapes, jnp.asarray(basis)))
     # A translation by 1, and the total force of a density: both in the first member's coefficient.
@@ -72,7 +72,7 @@ def drag(ratio: float, period: float = PERIOD, degree: int = 16, **resolution: f
     held = np.linalg.lstsq(matrix, -undisturbed, rcond=1e-9)[0]
     free_velocity = -held[0] / moving[0]
     density = jnp.einsum("u,uik->ik", jnp.asarray(moving * free_velocity + held), basis)
-    flux = operator.tube.extra_flux(operator.sources(shapes, density[None]))
+    flux = operator.flow.extra_flux(operator.sources(shapes, density[None]))
     return Drag(
         moving=moving[0] * UNIT_DISPLACEMENT / (6.0 * np.pi),
         held=-held[0] * UNIT_DISPLACEMENT / (12.0 * np.pi),

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from celltrain.diagnostics.frames import frame
     from celltrain.diagnostics.moments import CellMoments, cell_moments
     from celltrain.diagnostics.rotation import CellMotion, cell_motion
+    from celltrain.diagnostics.stresslet import stresslets
     from celltrain.diagnostics.tension import isotropic_tension
 
 __all__ = [
@@ -57,6 +58,7 @@ __all__ = [
     "mode_motion",
     "perturbation_energy",
     "recirculation",
+    "stresslets",
     "surface_fields",
     "tube_haematocrit",
 ]
@@ -68,6 +70,7 @@ _LATER = {
     "frames": ("frame",),
     "moments": ("CellMoments", "cell_moments"),
     "rotation": ("CellMotion", "cell_motion"),
+    "stresslet": ("stresslets",),
     "tension": ("isotropic_tension",),
 }
 _OWNERS = {name: owner for owner, names in _LATER.items() for name in names}

@@ -24,6 +24,12 @@ class Ellipsoid(eqx.Module):
         """
         return jnp.arctan2(jnp.hypot(self.axes[0, 0], self.axes[0, 1]), jnp.abs(self.axes[0, 2]))
 
+    @property
+    def taylor_deformation(self) -> Float[Array, ""]:
+        """(l - b)/(l + b), with l the longest and b the shortest axis (Taylor 1934)."""
+        shortest, longest = self.semi_axes[0], self.semi_axes[2]
+        return (longest - shortest) / (longest + shortest)
+
 
 def best_ellipsoid(solid: Float[Array, "3 3"]) -> Ellipsoid:
     """The ellipsoid with the second moments G = (1/V) int x x dV of a cell.

@@ -18,6 +18,7 @@ from celltrain.harmonics.jax_shapes import JaxShape, JaxShapes
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.proximity.distances import cell_distance, wall_distance
+from celltrain.surroundings import train_tube
 from celltrain.train import train_membrane
 
 
@@ -55,7 +56,7 @@ def frame(
     placed = shapes.copy()
     placed[..., 0] = 0.0
     measured["shape_spectrum"] = deformation_spectrum(placed)
-    measured["wall_distance"] = wall_distance(shapes, train.radius)
+    measured["wall_distance"] = wall_distance(shapes, train_tube(train).wall)
     measured["cell_distance"] = cell_distance(shapes, len(shapes) * train.period)
     return {name: measured[name] for name in FRAME_QUANTITIES}
 

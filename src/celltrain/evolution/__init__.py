@@ -1,5 +1,6 @@
-"""Direct numerical simulation: how a disturbed train evolves."""
+"""Direct numerical simulation: how a disturbed train evolves, or any cells in any surroundings."""
 
+from celltrain.evolution.cells import CellsInFlow, Snapshot, follow
 from celltrain.evolution.disturbances import (
     Disturbance,
     FastestAtFirst,
@@ -17,6 +18,7 @@ from celltrain.evolution.methods import ForwardEuler, Integrator, RungeKuttaCheb
 from celltrain.evolution.record.run import Run
 
 __all__ = [
+    "CellsInFlow",
     "Disturbance",
     "Ending",
     "FastestAtFirst",
@@ -30,9 +32,11 @@ __all__ = [
     "Repulsion",
     "Run",
     "RungeKuttaChebyshev",
+    "Snapshot",
     "Status",
     "StepFailed",
     "evolve",
+    "follow",
     "linear_prediction",
     "resume",
 ]

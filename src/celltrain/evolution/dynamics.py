@@ -1,4 +1,4 @@
-"""The dynamics of a train in the frame of its steady flow, and what is done after each step.
+"""The dynamics of cells, of a train in the frame of its steady flow, and what follows each step.
 
 Shapes are those of all N cells, on the host: a few tens of kilobytes, so that integrators may
 combine them there and only one program, the rates, is compiled for all of them.
@@ -13,11 +13,20 @@ from jaxtyping import Array, Float, Int
 from celltrain.evolution.films.forces import FilmForces, Films, film_forces
 from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.state import Measures, Settled, State
-from celltrain.harmonics import UNIT_DISPLACEMENT, Shapes, displaced_along, mean_points
+from celltrain.harmonics import (
+    UNIT_DISPLACEMENT,
+    Shapes,
+    displaced_along,
+    mean_points,
+    surface_points,
+)
+from celltrain.laws import MomentBending
 from celltrain.membrane.geometry import surface_geometry
+from celltrain.proximity.overlaps import Overlap, overlaps
 from celltrain.stability import paper_weights
 from celltrain.steady import Base
-from celltrain.train import TrainOperator, place_cells, train_operator
+from celltrain.surroundings import Surroundings, train_tube
+from celltrain.train import CellsOperator, place_cells, train_operator
 
 # Corrections of the volume after a step; Newton's method needs no more.
 VOLUME_ITERATIONS = 2
@@ -30,24 +39,26 @@ class _Measured(eqx.Module):
 
 
 class Dynamics(eqx.Module):
-    """Rates of change of a train's shapes, relative to its steady flow.
+    """Rates of change of cells' shapes, of a train relative to its steady flow.
 
-    `base` are the shapes of the steady train, at rest in this frame; `weights` those of the paper's
-    norm. Displacements and distances are in r0, rates in U. `wall_gap` is the smallest distance of
-    a cell from the wall for which the wall is resolved, `film_forces` the repulsion in thin films.
+    `base` are the shapes from which departures are measured, those of the steady train, at rest in
+    this frame; `weights` those of the paper's norm. Displacements and distances are in r0, rates in
+    U. `wall_gap` is the smallest distance of a cell from the wall for which the wall is resolved,
+    `film_forces` the repulsion in thin films.
 
     `steady_rates` are those of the steady train by this operator. They are its velocity along the
     tube but for what the rules of the operator leave (about 1e-6 U, part of it without symmetry),
     which the frame takes with it: otherwise it would move the train, and show as a disturbance.
+    Cells that are no train have none, and `cell_velocity` 0.
     """
 
-    operator: TrainOperator
+    operator: CellsOperator
     base: Float[Array, "cell 3 coefficient"]
     weights: Float[Array, " coefficient"]
     steady_rates: Float[np.ndarray, "cell 3 coefficient"]
     cell_velocity: float
-    length: Float[Array, ""]
-    volume: Float[Array, ""]
+    volumes: Float[Array, " cell"]
+    surroundings: Surroundings = eqx.field(static=True)
     film_forces: FilmForces = eqx.field(static=True)
     wall_gap: float = eqx.field(static=True)
 
@@ -72,17 +83,20 @@ class Dynamics(eqx.Module):
         return displaced_along(rates, self.cell_velocity)
 
     def continuous(self, shapes: Shapes, laps: Int[np.ndarray, " cell"]) -> Shapes:
-        """Shapes where the cells have really gone, not put back by lengths of the train."""
-        return displaced_along(shapes, float(self.length) * laps)
+        """Shapes where the cells have really gone, not put back by periods."""
+        if not self.surroundings.recurs:
+            return shapes
+        return displaced_along(shapes, self.surroundings.period * laps)
 
     def settle(self, shapes: Shapes) -> Settled:
-        """Correct the volumes, put cells back into the train's window, and measure.
+        """Correct the volumes, put cells back into the window of one period, and measure.
 
-        `shapes` are continuous ones. The near sums count the images that cells within one length of
-        the train can meet, so a cell whose mean point has left the window of that length is put
-        back by whole lengths.
+        `shapes` are continuous ones. The near sums count the images that cells within one period
+        can meet, so a cell whose mean point has left the window of that length is put back by whole
+        periods.
         """
-        fixed = (self.operator, self.base, self.weights, self.length, self.volume)
+        period = jnp.asarray(self.surroundings.period) if self.surroundings.recurs else None
+        fixed = (self.operator, self.base, self.weights, period, self.volumes)
         found = _settle(*fixed, jnp.asarray(shapes))
         settled = np.asarray(found.shapes)
         finite = bool(np.isfinite(settled).all())
@@ -117,8 +131,13 @@ class Dynamics(eqx.Module):
 
     def wall_distance(self, shapes: Shapes) -> float:
         """Smallest distance of a membrane's point from the wall, in r0, negative beyond it."""
-        across = shapes[:, :2] @ np.asarray(self.operator.target_grid.values).T
-        return float(self.operator.tube.radius - np.sqrt(np.max(np.sum(across**2, axis=1))))
+        points = surface_points(shapes, np.asarray(self.operator.target_grid.values))
+        return self.surroundings.wall_distance(points)
+
+    def overlaps(self, shapes: Shapes) -> tuple[Overlap, ...]:
+        """Cells that overlap each other, or reach into the wall."""
+        around = self.surroundings
+        return overlaps(shapes, period=around.period, wall=around.wall)
 
     def departure(self, shapes: Shapes) -> float:
         """Largest distance of a membrane's point from the steady train, of continuous shapes."""
@@ -128,6 +147,7 @@ class Dynamics(eqx.Module):
 def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dynamics:
     """The dynamics of the N cells of a train about a steady state."""
     train = base.train
+    tube = train_tube(train)
     operator = train_operator(train, cells=train.cells, wall_gap=wall_gap)
     shapes = place_cells(base.coefficients, train, train.cells)
     return Dynamics(
@@ -136,59 +156,67 @@ def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dyna
         weights=jnp.asarray(paper_weights(train.degree)),
         steady_rates=_tube_rates(operator, shapes, np.zeros_like(shapes)),
         cell_velocity=base.cell_velocity,
-        length=jnp.asarray(train.length),
-        volume=operator.membrane.volume(jnp.asarray(base.coefficients)),
-        film_forces=film_forces(train, repulsion),
+        volumes=jax.vmap(operator.membrane.volume)(jnp.asarray(shapes)),
+        surroundings=tube,
+        film_forces=film_forces(train.cell, train.degree, tube, repulsion),
         wall_gap=wall_gap,
     )
 
 
-def _tube_rates(operator: TrainOperator, shapes: Shapes, forces: Shapes) -> Shapes:
+def _tube_rates(operator: CellsOperator, shapes: Shapes, forces: Shapes) -> Shapes:
     """Rates relative to the tube."""
     return np.asarray(_rates(operator, jnp.asarray(shapes), jnp.asarray(forces)))
 
 
 @eqx.filter_jit
-def _rates(operator: TrainOperator, shapes: Array, forces: Array) -> Array:
+def _rates(operator: CellsOperator, shapes: Array, forces: Array) -> Array:
     return operator.rates(shapes, forces)
 
 
 @eqx.filter_jit
 def _settle(
-    operator: TrainOperator,
+    operator: CellsOperator,
     base: Float[Array, "cell 3 coefficient"],
     weights: Float[Array, " coefficient"],
-    length: Float[Array, ""],
-    volume: Float[Array, ""],
+    period: Float[Array, ""] | None,
+    volumes: Float[Array, " cell"],
     shapes: Float[Array, "cell 3 coefficient"],
 ) -> _Measured:
     membrane = operator.membrane
 
-    def corrected(shape: Array) -> Array:
+    def corrected(shape: Array, volume: Array) -> Array:
         for _ in range(VOLUME_ITERATIONS):
             gradient = membrane.volume_gradient(shape)
             missing = volume - membrane.volume(shape)
             shape = shape + missing / jnp.sum(gradient**2) * gradient
         return shape
 
+    def energy(shape: Array) -> Array:
+        # Bending moments have none.
+        moments = isinstance(membrane.bending, MomentBending)
+        return jnp.array(jnp.nan) if moments else membrane.energy(shape)
+
     def area(shape: Array) -> Array:
         element = surface_geometry(membrane.tables, shape).area
         return jnp.sum(element * membrane.inverse_sine * membrane.weights)
 
-    settled = jax.vmap(corrected)(shapes)
+    settled = jax.vmap(corrected)(shapes, volumes)
     correction = (settled - shapes) @ operator.target_grid.values.T
     disturbance = settled - base
-    # The window starts half a cell's period before the first cell of the steady train.
-    start = mean_points(base[0])[2] - 0.5 * length / base.shape[0]
-    laps = jnp.floor((mean_points(settled)[:, 2] - start) / length)
+    laps = jnp.zeros(base.shape[0])
+    wrapped = settled
+    if period is not None:
+        # The window starts half a cell's share before the first cell.
+        start = mean_points(base[0])[2] - 0.5 * period / base.shape[0]
+        laps = jnp.floor((mean_points(settled)[:, 2] - start) / period)
+        wrapped = displaced_along(settled, -period * laps)
     numbers = jnp.stack(
         [
             jnp.sqrt(jnp.max(jnp.sum(correction**2, axis=1))),
             jnp.sqrt(jnp.sum(weights * disturbance**2)),
             jnp.sqrt(jnp.sum(disturbance**2)) / UNIT_DISPLACEMENT,
-            jnp.sum(jax.vmap(membrane.energy)(settled)),
+            jnp.sum(jax.vmap(energy)(settled)),
             jnp.sum(jax.vmap(area)(settled)),
         ]
     )
-    wrapped = displaced_along(settled, -length * laps)
     return _Measured(wrapped, laps.astype(int), numbers)

@@ -20,7 +20,6 @@ from celltrain.evolution.record.run import Run
 from celltrain.evolution.start import at_degree
 from celltrain.evolution.wall_resolution import LARGEST, followed
 from celltrain.parameters import CaseError, Train
-from celltrain.proximity.overlaps import overlaps
 from celltrain.results import only_writer, remove_leftovers
 from celltrain.stability import Stability
 from celltrain.steady import Base
@@ -96,7 +95,7 @@ def evolve(
         method = RungeKuttaChebyshev() if integrator is None else integrator
         shapes = place_cells(base.coefficients, train, train.cells) + change
         settled = dynamics.settle(shapes)
-        met = overlaps(settled.shapes, period=train.length, radius=train.radius)
+        met = dynamics.overlaps(settled.shapes)
         if met:
             raise CaseError(f"{disturbance!r} is not allowed: {met[0]}; a smaller amplitude may be")
         wall_gap = followed(LARGEST, dynamics.wall_distance(settled.shapes))

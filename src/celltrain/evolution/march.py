@@ -19,7 +19,6 @@ from celltrain.evolution.record.run import Run
 from celltrain.evolution.state import State
 from celltrain.evolution.wall_resolution import followed
 from celltrain.interruption import kept_by, take
-from celltrain.proximity.overlaps import overlaps
 
 # Overlaps are looked for after at least this time (r0/U): cells pass each other at about U.
 OVERLAP_INTERVAL = 0.1
@@ -192,8 +191,7 @@ class March:
         if not retries and state.time - self._checked < OVERLAP_INTERVAL:
             return None
         self._checked = state.time
-        train = self._run.train
-        met = overlaps(state.shapes, period=train.length, radius=train.radius)
+        met = self._dynamics.overlaps(state.shapes)
         return str(met[0]) if met else None
 
     def _commit(self, step: Step[Memory] | None, wasted: Work, frames: list[Row]) -> None:

@@ -24,7 +24,9 @@ class Measures:
             "root of the sum over cells of the mean square displacement of the membrane",
         ),
     ]
-    energy: Annotated[float, Quantity("W", "mu U r0^2", "elastic energy of all membranes")]
+    energy: Annotated[
+        float, Quantity("W", "mu U r0^2", "elastic energy of all membranes, nan if they have none")
+    ]
     area: Annotated[float, Quantity("A", "r0^2", "area of all membranes")]
     volume_correction: Annotated[
         float,

@@ -1,9 +1,14 @@
-"""Stokes flow in a periodic tube: Ewald sums, quadrature on surfaces, the wall, the flow rate."""
+"""Stokes flow around cells, in a periodic tube or in unbounded space.
+
+Ewald sums, quadrature on surfaces, the wall, the flow rate.
+"""
 
 from celltrain.flow.ewald import EwaldSplit, ewald_split
 from celltrain.flow.own_surface import OwnSurfaceRule, own_surface_rule
 from celltrain.flow.sources import Sources
+from celltrain.flow.surrounding_flow import SurroundingFlow
 from celltrain.flow.tube import PeriodicTube, periodic_tube
+from celltrain.flow.unbounded import UnboundedFlow, unbounded_flow
 from celltrain.flow.wall import TubeWall, tube_wall
 
 __all__ = [
@@ -11,9 +16,12 @@ __all__ = [
     "OwnSurfaceRule",
     "PeriodicTube",
     "Sources",
+    "SurroundingFlow",
     "TubeWall",
+    "UnboundedFlow",
     "ewald_split",
     "own_surface_rule",
     "periodic_tube",
     "tube_wall",
+    "unbounded_flow",
 ]

@@ -18,34 +18,33 @@ viscosity.
 import math
 from collections.abc import Callable
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from celltrain.flow.close_targets import CloseEvaluation, CloseTargets
-from celltrain.flow.ewald import EwaldSplit, ewald_split, far_velocity_modes
-from celltrain.flow.near import near_sum
+from celltrain.flow.cell_sums import CELL_SHARE, CellSums
+from celltrain.flow.close_targets import CloseEvaluation
+from celltrain.flow.ewald import ewald_split, far_velocity_modes
 from celltrain.flow.sources import Sources
+from celltrain.flow.surrounding_flow import CloseTargetSets, SurroundingFlow
 from celltrain.flow.transform import Transform, transform
 from celltrain.flow.wall import TubeWall, tube_wall
 from celltrain.harmonics.jax_shapes import JaxShapes
 
-# Close pairs listed for each target, and for each point of the wall, on average.
-CELL_SHARE, WALL_SHARE = 2.0, 0.5
-
-# Of the targets and of the points of the wall.
-TubeCloseTargets = tuple[CloseTargets, CloseTargets]
+# Close pairs listed for each point of the wall, on average.
+WALL_SHARE = 0.5
 
 
-class PeriodicTube(eqx.Module):
+class PeriodicTube(SurroundingFlow):
     """Flow in one axial period of a tube; velocities have forward derivatives."""
 
-    split: EwaldSplit
+    near: CellSums
     transform: Transform
     wall: TubeWall
-    close: CloseEvaluation | None
-    coarse_beyond: float = eqx.field(static=True)
-    images: int = eqx.field(static=True)
+
+    @property
+    def near_parameter(self) -> float:
+        """See `SurroundingFlow`."""
+        return self.near.parameter
 
     @property
     def radius(self) -> Float[Array, ""]:
@@ -73,16 +72,10 @@ class PeriodicTube(eqx.Module):
         owners: Int[Array, " group"],
         sources: Sources,
         *,
-        close_targets: TubeCloseTargets | None = None,
-        mean_flow: bool = True,
+        close_targets: CloseTargetSets | None = None,
+        background: bool = True,
     ) -> Float[Array, "group ring azimuth 3"]:
-        """Velocity at points in the fluid or on cells, in U.
-
-        **Arguments:** `owners`: cell on which each group of targets lies, -1 for points off the
-        cells. The near kernels of a group's own cell are left out: see `OwnSurfaceRule`.
-        `close_targets`: of these targets and cells, if they are known already. Without `mean_flow`
-        the mean velocity is 0 instead of 1, which makes the velocity linear in the sources.
-        """
+        """See `SurroundingFlow`; without the background the mean velocity is 0 instead of 1."""
         if close_targets is None and sources.surface is not None:
             close_targets = self.close_targets(targets, owners, sources.points)
         by_cells, by_wall = (None, None) if close_targets is None else close_targets
@@ -93,9 +86,10 @@ class PeriodicTube(eqx.Module):
         strips, places = self.wall.strips()
         off_cells = jnp.full(len(strips), -1)
         wall_strips = wall_points.reshape(-1, 3)[strips]
-        wall_near = self._near(wall_strips, off_cells, sources, by_wall)
+        wall_near = self.near.velocity(wall_strips, off_cells, sources, by_wall)
         at_wall = at_wall + wall_near.reshape(-1, 3)[places]
-        near = self._near(targets.reshape(targets.shape[0], -1, 3), owners, sources, by_cells)
+        groups = targets.reshape(targets.shape[0], -1, 3)
+        near = self.near.velocity(groups, owners, sources, by_cells)
         reflected = self.wall.velocity(
             loose, self.wall.regular_flow(at_wall.reshape(wall_points.shape))
         )
@@ -103,7 +97,7 @@ class PeriodicTube(eqx.Module):
         total = jnp.where(jnp.isfinite(targets), total, jnp.nan)
         square = jnp.sum(targets[..., :2] ** 2, axis=-1)
         profile = 2.0 * (1.0 - square / self.radius**2)
-        return total.at[..., 2].add(profile * (float(mean_flow) - self.extra_flux(sources)))
+        return total.at[..., 2].add(profile * (float(background) - self.extra_flux(sources)))
 
     def _far_modes(self, sources: Sources) -> Array:
         """Far velocity [3, *mode]."""
@@ -117,7 +111,7 @@ class PeriodicTube(eqx.Module):
                 modes[-6:] if sources.stresslets is not None else None,
                 self.transform.wave_vectors(),
                 jnp.prod(self.transform.box),
-                self.split.parameter,
+                self.near.parameter,
             )
         )
 
@@ -128,44 +122,15 @@ class PeriodicTube(eqx.Module):
         points: Float[Array, "cell source_ring source_azimuth 3"],
         *,
         shapes: JaxShapes | None = None,
-    ) -> TubeCloseTargets | None:
-        """Which targets, and which points of the wall, are close to a cell's grid points.
-
-        **Arguments:** `shapes`: prepares double layers on these cells, for many densities.
-        """
-        close = self.close
-        if close is None:
-            return None
-        cells = points.reshape(points.shape[0], -1, 3)
-
-        def of(targets: Array, owners: Array, share: float) -> CloseTargets:
-            period, images = self.wall.period, self.images
-            found = close.find(targets, owners, cells, period=period, images=images, share=share)
-            return found if shapes is None else close.prepared(found, targets, shapes, period)
-
+    ) -> CloseTargetSets | None:
+        """See `SurroundingFlow`; those among the targets, and those among the wall's points."""
         strips, _ = self.wall.strips()
         wall = self.wall.points().reshape(-1, 3)[strips]
-        by_cells = of(targets.reshape(targets.shape[0], -1, 3), owners, CELL_SHARE)
-        return by_cells, of(wall, jnp.full(len(strips), -1), WALL_SHARE)
-
-    def _near(
-        self, targets: Array, owners: Array, sources: Sources, close_targets: CloseTargets | None
-    ) -> Array:
-        """Near sums over all images, [group, target, 3]."""
-        total = near_sum(
-            targets,
-            owners,
-            sources,
-            parameter=self.split.parameter,
-            cutoff=self.split.cutoff,
-            period=self.wall.period,
-            images=self.images,
-            coarse_beyond=self.coarse_beyond,
-            keep=None if close_targets is None else close_targets.pairs.keep,
-        ) / (8.0 * math.pi)
-        if close_targets is not None and self.close is not None:
-            total += self.close.velocity(close_targets, targets, sources, self.wall.period)
-        return total
+        off_cells = jnp.full(len(strips), -1)
+        groups = targets.reshape(targets.shape[0], -1, 3)
+        by_cells = self.near.close_targets(groups, owners, points, CELL_SHARE, shapes=shapes)
+        by_wall = self.near.close_targets(wall, off_cells, points, WALL_SHARE, shapes=shapes)
+        return None if by_cells is None or by_wall is None else (by_cells, by_wall)
 
 
 def _numbers(points: Array) -> Array:
@@ -197,11 +162,15 @@ def periodic_tube(
     """
     split = ewald_split(cutoff, tolerance)
     return PeriodicTube(
-        split=split,
+        near=CellSums(
+            parameter=split.parameter,
+            cutoff=split.cutoff,
+            period=jnp.asarray(period, dtype=float),
+            images=math.floor((cutoff + extent + period) / period),
+            close=None if close is None else close(split.parameter),
+            coarse_beyond=coarse_beyond,
+        ),
         # Wider than the tube by the near kernel's range, which so never reaches an image across.
         transform=transform(split, diameter + cutoff, period, tolerance),
         wall=tube_wall(0.5 * diameter, period, wall_gap=wall_gap, tolerance=tolerance),
-        close=None if close is None else close(split.parameter),
-        coarse_beyond=coarse_beyond,
-        images=math.floor((cutoff + extent + period) / period),
     )

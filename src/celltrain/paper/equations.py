@@ -30,7 +30,7 @@ EQUATIONS = (
         (
             "celltrain.meridian.train.TrainFlow.velocity",
             "celltrain.meridian.double_layer.DoubleLayer",
-            "celltrain.train.operator.TrainOperator.surface_velocity",
+            "celltrain.train.operator.CellsOperator.surface_velocity",
         ),
     ),
     Equation("4", "shapes in harmonics", ("celltrain.harmonics.tables.harmonic_tables",)),
@@ -39,7 +39,7 @@ EQUATIONS = (
         "motion of the shapes",
         (
             "celltrain.meridian.train.TrainFlow.rates",
-            "celltrain.train.operator.TrainOperator.rates",
+            "celltrain.train.operator.CellsOperator.rates",
         ),
     ),
     Equation(

@@ -26,6 +26,7 @@ from celltrain.harmonics import (
 )
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
+from celltrain.proximity.walls import Wall
 
 # Patches, each finer than the last one by this factor; nodes of one from its middle to its edge.
 LEVELS = 10
@@ -62,27 +63,28 @@ def _grid(degree: int) -> _Grid:
     )
 
 
-def wall_distance(shapes: Shapes, radius: float) -> Float[np.ndarray, " cell"]:
-    """Distance of each cell from the wall of a tube of the given radius, in r0."""
+def wall_distance(shapes: Shapes, wall: Wall) -> Float[np.ndarray, " cell"]:
+    """Distance of each cell from the wall, in r0."""
     grid = _grid(degree_of(shapes))
     points = surface_points(shapes, grid.values)
-    at = grid.directions[np.argmax(np.hypot(points[..., 0], points[..., 1]), axis=1)]
-    largest = np.zeros(len(shapes))
+    at = grid.directions[np.argmin(wall.distance(points), axis=1)]
+    smallest = np.zeros(len(shapes))
     for level in range(LEVELS):
         patch = _patch(at, grid.spacing * FINER ** (level + 1))
-        points = _evaluate(shapes, patch)
-        radii = np.hypot(points[..., 0], points[..., 1])
-        best = np.argmax(radii, axis=1)
-        largest = radii.max(axis=1)
-        at = patch[np.arange(len(shapes)), best]
-    return radius - largest
+        distance = wall.distance(_evaluate(shapes, patch))
+        smallest = distance.min(axis=1)
+        at = patch[np.arange(len(shapes)), np.argmin(distance, axis=1)]
+    return smallest
 
 
 def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
     """Distance of each cell from the nearest other membrane, in r0.
 
     **Arguments:** `length`: period of the whole train; images of all cells count, a cell's own too.
+    If it is infinite there are none, and a cell alone is infinitely far from others.
     """
+    if len(shapes) == 1 and not np.isfinite(length):
+        return np.full(1, np.inf)
     grid = _grid(degree_of(shapes))
     cells = np.arange(len(shapes))
     points = surface_points(shapes, grid.values)
@@ -127,14 +129,16 @@ def _closest_points(points: Float[np.ndarray, "cell point 3"], length: float) ->
     cells = len(points)
     centres = points.mean(axis=1)
     reach = np.linalg.norm(points - centres[:, None], axis=-1).max(axis=1)
-    first, second = np.triu_indices(cells)
-    away = centres[first, 2] - centres[second, 2]
-    images = np.round(away / length)[:, None] + [-1.0, 0.0, 1.0]
-    # A cell and its own image before it are the same pair as it and the one behind.
-    images = np.where((first == second)[:, None], 1.0, images)
-    shifts = length * images
+    recurs = bool(np.isfinite(length))
+    first, second = np.triu_indices(cells, 0 if recurs else 1)
     apart = centres[first] - centres[second]
-    offset = np.repeat(apart[:, None], 3, axis=1)
+    shifts = np.zeros((len(first), 1))
+    if recurs:
+        images = np.round(apart[:, 2] / length)[:, None] + [-1.0, 0.0, 1.0]
+        # A cell and its own image before it are the same pair as it and the one behind.
+        images = np.where((first == second)[:, None], 1.0, images)
+        shifts = length * images
+    offset = np.repeat(apart[:, None], shifts.shape[1], axis=1)
     offset[..., 2] -= shifts
     bound = np.linalg.norm(offset, axis=-1) - (reach[first] + reach[second])[:, None]
 
@@ -146,7 +150,7 @@ def _closest_points(points: Float[np.ndarray, "cell point 3"], length: float) ->
     for place in np.argsort(bound, axis=None, kind="stable"):
         if bound.flat[place] >= smallest.max():
             break
-        pair, image = divmod(int(place), 3)
+        pair, image = divmod(int(place), shifts.shape[1])
         p, q, move = first[pair], second[pair], shifts[pair, image]
         if bound[pair, image] >= max(smallest[p], smallest[q]):
             continue

@@ -16,8 +16,9 @@ from scipy.spatial import cKDTree
 from celltrain.harmonics import Shapes, real_harmonics, surface_points, unit_vectors
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.tables import harmonic_tables
-from celltrain.proximity.boxes import close_boxes
+from celltrain.proximity.boxes import close_boxes, image_shift
 from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
+from celltrain.proximity.walls import Wall
 
 Points = Float[np.ndarray, "point 3"]
 
@@ -112,18 +113,15 @@ class FilmGrid:
             nearest=nearest,
         )
 
-    def at_wall(self, shapes: Shapes, *, within: float, radius: float) -> WallPoints:
-        """All points less than `within` (r0) from the wall of a tube of the given radius."""
-        across = shapes[:, :2] @ self.coarse.T
-        largest = np.sqrt(np.max(np.sum(across**2, axis=1), axis=1))
-        close = np.flatnonzero(radius - largest < within + _spacing(COARSE * self.degree))
-        points = shapes[close, :2] @ self.fine.T
-        axial = np.sqrt(np.sum(points**2, axis=1))
-        place, node = np.nonzero(radius - axial < within)
-        distance = radius - axial[place, node]
-        inward = np.zeros((len(node), 3))
-        inward[:, :2] = -points[place, :, node] / axial[place, node, None]
-        return WallPoints(close[place], node, distance, inward)
+    def at_wall(self, shapes: Shapes, *, within: float, wall: Wall) -> WallPoints:
+        """All points less than `within` (r0) from the wall."""
+        least = wall.distance(surface_points(shapes, self.coarse)).min(axis=1)
+        close = np.flatnonzero(least < within + _spacing(COARSE * self.degree))
+        points = surface_points(shapes[close], self.fine)
+        distance = wall.distance(points)
+        place, node = np.nonzero(distance < within)
+        inward = wall.inward(points[place, node])
+        return WallPoints(close[place], node, distance[place, node], inward)
 
     def _sides(self, shapes: Shapes, within: float, period: float) -> list[_Side]:
         points = surface_points(shapes, self.coarse)
@@ -131,7 +129,7 @@ class FilmGrid:
         trees: dict[int, cKDTree] = {}
         sides = []
         for first, second, image in close_boxes(points, within=reach, period=period):
-            shift = np.array([0.0, 0.0, image * period])
+            shift = image_shift(image, period)
             for cell in {first, second} - trees.keys():
                 trees[cell] = cKDTree(points[cell])
             close = (

@@ -11,11 +11,13 @@ from celltrain.harmonics import Shape, Shapes, degree_of, surface_points
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.tables import harmonic_tables
-from celltrain.proximity.boxes import close_boxes
+from celltrain.proximity.boxes import close_boxes, image_shift
 from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
+from celltrain.proximity.walls import NoWall, Wall
 
 # How far a surface may pass the bounding box of its grid points, over the box's largest side.
 SAG = 0.05
+NO_WALL = NoWall()
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,7 @@ def overlaps(
     *,
     period: float,
     images: int = 1,
-    radius: float | None = None,
+    wall: Wall = NO_WALL,
     order: int | None = None,
 ) -> tuple[Overlap, ...]:
     """All pairs of cells (and periodic images) that intersect, and cells beyond the wall.
@@ -77,22 +79,22 @@ def overlaps(
     found is at least as deep as the sag of the surface between grid points. That a cell meets
     itself is not looked for. Where no boxes of cells meet it takes no search.
 
-    **Arguments:** `period`: length of the train, in r0; `images`: how many of them are looked at to
-    each side; `radius`: of the tube, if the wall is to be looked at; `order`: of the grid (three
-    times the degree unless given).
+    **Arguments:** `period`: length of the train, in r0, infinite if nothing recurs; `images`: how
+    many of them are looked at to each side; `wall`: which is to be looked at, none unless given;
+    `order`: of the grid (three times the degree unless given).
     """
     shapes = np.asarray(shapes)
     degree = degree_of(shapes)
     tools = _tools(degree, 3 * degree if order is None else order)
     points = surface_points(shapes, tools.values)
-    found = [] if radius is None else _beyond_wall(points, radius)
+    found = _beyond_wall(points, wall)
     margin = SAG * float(np.ptp(points, axis=1).max())
     surfaces: dict[int, _Surface] = {}
     for first, second, image in close_boxes(points, within=margin, period=period, images=images):
         for cell in {first, second} - surfaces.keys():
             surfaces[cell] = _surface(tools, shapes[cell], points[cell])
         one, other = surfaces[first], surfaces[second]
-        shift = np.array([0.0, 0.0, image * period])
+        shift = image_shift(image, period)
         there, here = (
             _deepest(tools, other, one.points - shift),
             _deepest(tools, one, other.points + shift),
@@ -103,13 +105,13 @@ def overlaps(
     return tuple(found)
 
 
-def _beyond_wall(points: Float[np.ndarray, "cell point 3"], radius: float) -> list[Overlap]:
+def _beyond_wall(points: Float[np.ndarray, "cell point 3"], wall: Wall) -> list[Overlap]:
     """Cells with points beyond the wall."""
-    distance = np.hypot(points[..., 0], points[..., 1])
-    farthest = np.argmax(distance, axis=1)
-    depths = distance[np.arange(len(points)), farthest] - radius
+    depth = -wall.distance(points)
+    deepest = np.argmax(depth, axis=1)
+    depths = depth[np.arange(len(points)), deepest]
     return [
-        Overlap(cell, None, 0, points[cell, farthest[cell]], float(depth))
+        Overlap(cell, None, 0, points[cell, deepest[cell]], float(depth))
         for cell, depth in enumerate(depths)
         if depth > 0.0
     ]

@@ -3,7 +3,9 @@
 from celltrain.train.accuracy import rates_error
 from celltrain.train.fluid_velocity import fluid_velocity
 from celltrain.train.operator import (
-    TrainOperator,
+    CellsOperator,
+    cells_membrane,
+    cells_operator,
     close_distance,
     place_cells,
     resting_shapes,
@@ -12,7 +14,9 @@ from celltrain.train.operator import (
 )
 
 __all__ = [
-    "TrainOperator",
+    "CellsOperator",
+    "cells_membrane",
+    "cells_operator",
     "close_distance",
     "fluid_velocity",
     "place_cells",

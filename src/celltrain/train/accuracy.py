@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 from celltrain.harmonics import Shapes
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.parameters import Train
-from celltrain.train.operator import TrainOperator, train_operator
+from celltrain.train.operator import CellsOperator, train_operator
 
 # Finer in every respect but the degree of the shapes.
 FINER = 1.25
@@ -39,7 +39,7 @@ def refined(train: Train) -> Train:
 
 @eqx.filter_jit
 def _velocity(
-    operator: TrainOperator, values: Float[Array, "point coefficient"], shapes: JaxShapes
+    operator: CellsOperator, values: Float[Array, "point coefficient"], shapes: JaxShapes
 ) -> Float[Array, "cell point 3"]:
     return jnp.einsum("pk,cik->cpi", values, operator.rates(shapes))
 
@@ -62,7 +62,7 @@ def rates_error(
     **Returns:** NaN if a velocity is NaN.
     """
 
-    def operator(train: Train) -> TrainOperator:
+    def operator(train: Train) -> CellsOperator:
         return train_operator(train, cells=len(shapes), close=close, wall_gap=wall_gap)
 
     better = operator(refined(train))

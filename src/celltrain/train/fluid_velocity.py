@@ -7,11 +7,15 @@ from jaxtyping import Array, Float
 
 from celltrain.parameters import CaseError
 from celltrain.steady import Base
-from celltrain.train.operator import TrainOperator, train_operator
+from celltrain.surroundings import train_tube
+from celltrain.train.operator import CellsOperator, train_operator
+
+# Of a place on the wall, over the tube's radius.
+ROUNDING = 1e-12
 
 
 @eqx.filter_jit
-def _velocity(operator: TrainOperator, points: Array, shapes: Array) -> Array:
+def _velocity(operator: CellsOperator, points: Array, shapes: Array) -> Array:
     return operator.velocity_at(points, shapes)
 
 
@@ -28,12 +32,12 @@ def fluid_velocity(
     **Raises:** `CaseError` for a point outside the tube.
     """
     points = np.asarray(points, dtype=float)
-    distance = np.hypot(points[:, 0], points[:, 1])
+    beyond = -train_tube(base.train).wall.distance(points)
     # A point on the wall may lie outside by roundoff.
-    if distance.size and distance.max() > base.train.radius * (1.0 + 1e-12):
+    if beyond.size and beyond.max() > ROUNDING * base.train.radius:
         raise CaseError(
-            f"a point at the distance {distance.max():g} r0 from the axis is not allowed: the"
-            f" tube's radius is {base.train.radius:g} r0"
+            f"a point {beyond.max():g} r0 beyond the wall is not allowed: the tube's radius is"
+            f" {base.train.radius:g} r0"
         )
     # Into the period about the cell at the origin.
     inside = points.copy()

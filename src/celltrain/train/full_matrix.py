@@ -16,7 +16,7 @@ from jaxtyping import Array, Float
 
 from celltrain.proximity.meridian import clearance
 from celltrain.steady import Base
-from celltrain.train.operator import TrainOperator, close_distance, place_cells, train_operator
+from celltrain.train.operator import CellsOperator, close_distance, place_cells, train_operator
 
 #: Directions at once, which bounds the memory of exact derivatives.
 BATCH = 12
@@ -29,7 +29,7 @@ class Derivative(abc.ABC):
 
     @abc.abstractmethod
     def columns(
-        self, operator: TrainOperator, shapes: Array, directions: Array, batch: int
+        self, operator: CellsOperator, shapes: Array, directions: Array, batch: int
     ) -> Columns:
         """Change of all rates per change of the shapes along each direction."""
 
@@ -39,7 +39,7 @@ class ExactDerivative(Derivative):
     """Automatic differentiation."""
 
     def columns(
-        self, operator: TrainOperator, shapes: Array, directions: Array, batch: int
+        self, operator: CellsOperator, shapes: Array, directions: Array, batch: int
     ) -> Columns:
         """Exact directional derivatives."""
         return _exact_columns(operator, shapes, directions, batch)
@@ -52,7 +52,7 @@ class FiniteDifference(Derivative):
     step: float = 1e-3
 
     def columns(
-        self, operator: TrainOperator, shapes: Array, directions: Array, batch: int
+        self, operator: CellsOperator, shapes: Array, directions: Array, batch: int
     ) -> Columns:
         """Differences of the rates, one evaluation for each direction."""
         return _difference_columns(operator, shapes, directions, jnp.asarray(self.step))
@@ -60,7 +60,7 @@ class FiniteDifference(Derivative):
 
 @eqx.filter_jit
 def _exact_columns(
-    operator: TrainOperator, shapes: Array, directions: Array, batch: int
+    operator: CellsOperator, shapes: Array, directions: Array, batch: int
 ) -> Columns:
     def column(direction: Array) -> Array:
         step = jnp.zeros_like(shapes).at[0].set(direction)
@@ -71,7 +71,7 @@ def _exact_columns(
 
 @eqx.filter_jit
 def _difference_columns(
-    operator: TrainOperator, shapes: Array, directions: Array, size: Array
+    operator: CellsOperator, shapes: Array, directions: Array, size: Array
 ) -> Columns:
     base_rates = operator.rates(shapes)
 
@@ -81,11 +81,11 @@ def _difference_columns(
     return jax.lax.map(column, directions)
 
 
-def matrix_operator(base: Base) -> TrainOperator:
+def matrix_operator(base: Base) -> CellsOperator:
     """The operator for all cells of a steady train, as its matrix needs it."""
     train = base.train
     apart = clearance(base.profile, train.period, train.radius)
-    return train_operator(train, cells=train.cells, close=apart < close_distance(train))
+    return train_operator(train, cells=train.cells, close=apart < close_distance(train.resolution))
 
 
 def full_matrix(

@@ -15,17 +15,24 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.flow import OwnSurfaceRule, PeriodicTube, Sources, own_surface_rule, periodic_tube
+from celltrain.flow import (
+    OwnSurfaceRule,
+    PeriodicTube,
+    Sources,
+    SurroundingFlow,
+    own_surface_rule,
+)
 from celltrain.flow.close import close_rule
 from celltrain.flow.close_targets import CloseEvaluation
 from celltrain.flow.sources import Surface
-from celltrain.harmonics import Shape, Shapes, displaced_along
+from celltrain.harmonics import Shape, Shapes, displaced_along, surface_points
 from celltrain.harmonics.grid import SphereGrid, sphere_grid
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.membrane import cell_material, resting_shape
 from celltrain.membrane.energy import Membrane, make_membrane
-from celltrain.parameters import Train
+from celltrain.parameters import CaseError, Cell, Resolution, Train
 from celltrain.runtime import check_jax
+from celltrain.surroundings import FlowRules, Surroundings, train_tube
 from celltrain.train.gmres import Iterations
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
 from celltrain.train.source_grid import SourceGrid, source_grid
@@ -43,15 +50,15 @@ SOLVER_ITERATIONS = 40
 SOLVER_TOLERANCE = 0.1
 
 
-class TrainOperator(eqx.Module):
-    """Rates of change of the shapes in one period of a train.
+class CellsOperator(eqx.Module):
+    """Rates of change of the shapes of equal cells, those of one period where there is one.
 
     Shapes may be any, and rates have forward derivatives. `viscosity_ratio` is absent if it is 1,
     and with it the double layer.
     """
 
     membrane: Membrane
-    tube: PeriodicTube
+    flow: SurroundingFlow
     own_rule: OwnSurfaceRule
     source_grid: SourceGrid
     coarse_grid: SourceGrid | None
@@ -100,12 +107,12 @@ class TrainOperator(eqx.Module):
         """What cells' motions give through other cells, images and the wall, as rates."""
         targets, owners = self.targets(shapes), jnp.arange(shapes.shape[0])
         points = self.source_points(shapes)
-        close = self.tube.close_targets(targets, owners, points, shapes=shapes)
+        close = self.flow.close_targets(targets, owners, points, shapes=shapes)
 
         def outer(motions: JaxShapes) -> Array:
             sources = self.motion_sources(shapes, motions)
-            velocity = self.tube.velocity(
-                targets, owners, sources, close_targets=close, mean_flow=False
+            velocity = self.flow.velocity(
+                targets, owners, sources, close_targets=close, background=False
             )
             return self.project(velocity)
 
@@ -154,9 +161,9 @@ class TrainOperator(eqx.Module):
     def outer_velocity(
         self, targets: Float[Array, "cell ring azimuth 3"], shapes: JaxShapes, forces: JaxShapes
     ) -> Array:
-        """All other parts of the velocity on the cells: other cells, images, wall, flow rate."""
+        """All other parts of the velocity on the cells: other cells, images, wall, background."""
         owners = jnp.arange(shapes.shape[0])
-        return self.tube.velocity(targets, owners, self.sources(shapes, forces))
+        return self.flow.velocity(targets, owners, self.sources(shapes, forces))
 
     def velocity_at(
         self,
@@ -171,13 +178,13 @@ class TrainOperator(eqx.Module):
         """
         targets, off_cells = points[None, :, None], jnp.array([-1])
         sources = self.sources(shapes, self.forces(shapes))
-        velocity = self.tube.velocity(targets, off_cells, sources)[0, :, 0]
+        velocity = self.flow.velocity(targets, off_cells, sources)[0, :, 0]
         if motions is None or self.viscosity_ratio is None:
             return velocity
 
         def double_layer(motions: JaxShapes) -> Array:
             sources = self.motion_sources(shapes, motions)
-            return self.tube.velocity(targets, off_cells, sources, mean_flow=False)[0, :, 0]
+            return self.flow.velocity(targets, off_cells, sources, background=False)[0, :, 0]
 
         velocity = velocity + (1.0 - self.viscosity_ratio) * double_layer(motions)
         # The double layer of a constant is its negative inside, and nothing outside.
@@ -205,19 +212,29 @@ class TrainOperator(eqx.Module):
 
         **Arguments:** `motions`: rates of the shapes, which count if they are not rigid and the
         viscosity ratio is not 1.
+
+        **Raises:** `CaseError` for cells that are in no tube.
         """
-        pressure = 1.0 - self.tube.extra_flux(self.sources(shapes, forces))
+        tube = self.flow
+        if not isinstance(tube, PeriodicTube):
+            raise CaseError("an effective viscosity is that of a tube: these cells are in none")
+        pressure = 1.0 - tube.extra_flux(self.sources(shapes, forces))
         if motions is None or self.viscosity_ratio is None:
             return pressure
-        flux = self.tube.extra_flux(self.motion_sources(shapes, motions))
+        flux = tube.extra_flux(self.motion_sources(shapes, motions))
         return pressure - (1.0 - self.viscosity_ratio) * flux
+
+
+def cells_membrane(cell: Cell, resolution: Resolution) -> Membrane:
+    """The membrane that cells have."""
+    sizes = resolution.sizes
+    shape = resting_shape(cell, sizes.degree)
+    return make_membrane(*cell_material(cell), shape, energy_order=sizes.energy_order)
 
 
 def train_membrane(train: Train) -> Membrane:
     """The membrane that a train's cells have."""
-    cell, sizes = train.cell, train.sizes
-    shape = resting_shape(cell, sizes.degree)
-    return make_membrane(*cell_material(cell), shape, energy_order=sizes.energy_order)
+    return cells_membrane(train.cell, train.resolution)
 
 
 def resting_shapes(train: Train, cells: int) -> Shapes:
@@ -231,9 +248,9 @@ def place_cells(shape: Shape, train: Train, cells: int) -> Shapes:
     return displaced_along(shapes, train.period * np.arange(cells))
 
 
-def close_distance(train: Train) -> float:
+def close_distance(resolution: Resolution) -> float:
     """Distance from a membrane, in r0, below which its ordinary source grid does not serve."""
-    return CLOSE_STEPS * math.pi / train.sizes.source_order
+    return CLOSE_STEPS * math.pi / resolution.sizes.source_order
 
 
 def train_operator(
@@ -242,60 +259,85 @@ def train_operator(
     cells: int = 1,
     close: bool = True,
     wall_gap: float | None = None,
-) -> TrainOperator:
-    """The operator for `cells` cells in a period of their own.
+) -> CellsOperator:
+    """The operator for `cells` cells of a train in a period of their own.
 
-    **Arguments:**
-
-    - `close`: whether cells may come closer to each other or to the wall than `close_distance`.
-    - `wall_gap`: smallest distance of a cell from the wall for which the wall is resolved, in r0;
-      by default that of a resting cell on the axis.
+    **Arguments:** `close`, `wall_gap`: as for `cells_operator`.
 
     **Raises:** `UnsuitableSetting` where JAX is set so that it cannot compute it.
     """
+    return cells_operator(
+        train.cell,
+        train.resolution,
+        train_tube(train, cells),
+        viscosity_ratio=train.flow.viscosity_ratio,
+        close=close,
+        wall_gap=wall_gap,
+    )
+
+
+def cells_operator(
+    cell: Cell,
+    resolution: Resolution,
+    surroundings: Surroundings,
+    *,
+    viscosity_ratio: float = 1.0,
+    close: bool = True,
+    wall_gap: float | None = None,
+) -> CellsOperator:
+    """The operator for equal cells, as many as its shapes say, in any surroundings.
+
+    **Arguments:**
+
+    - `viscosity_ratio`: viscosity inside the cells over that outside.
+    - `close`: whether cells may come closer to each other or to the wall than `close_distance`.
+    - `wall_gap`: smallest distance of a cell from the wall for which the wall is resolved, in r0;
+      by default that of a resting cell about the origin.
+
+    **Raises:** `UnsuitableSetting` where JAX is set so that it cannot compute it; `CaseError` for a
+    resolution without a degree.
+    """
     check_jax()
-    sizes, resolution = train.sizes, train.resolution
-    resting = train_membrane(train)
+    sizes = resolution.sizes
+    membrane = cells_membrane(cell, resolution)
     target_grid = sphere_grid(sizes.degree, sizes.target_order)
     order = sizes.source_order
     halved = order % 2 == 0 and order // 2 >= sizes.degree
-    ratio = train.flow.viscosity_ratio
-    widest = float(
-        np.hypot(*np.asarray(target_grid.values @ resting.reference_shape[:2].T).T).max()
-    )
+    near = close_distance(resolution)
+    if wall_gap is None:
+        resting = surface_points(np.asarray(membrane.reference_shape), target_grid.values)
+        wall_gap = surroundings.wall_distance(np.asarray(resting))
 
     def close_evaluation(parameter: float) -> CloseEvaluation:
-        distance = close_distance(train)
-        rule = close_rule(sizes.degree, parameter=parameter, farthest=distance)
+        rule = close_rule(sizes.degree, parameter=parameter, farthest=near)
         angles = np.stack(sphere_grid(sizes.degree, order).points(), axis=-1)
-        return CloseEvaluation(rule, jnp.asarray(angles), distance)
+        return CloseEvaluation(rule, jnp.asarray(angles), near)
 
-    tube = periodic_tube(
-        train.tube.diameter,
-        cells * train.period,
-        wall_gap=train.radius - widest if wall_gap is None else wall_gap,
-        extent=HALF_LENGTH,
-        cutoff=resolution.near_cutoff,
-        tolerance=resolution.tolerance,
-        close=close_evaluation if close else None,
-        # Errors of the ordinary rules fall exponentially with the distance.
-        coarse_beyond=2.0
-        * close_distance(train)
-        * max(1.0, math.log(resolution.tolerance) / math.log(CLOSE_TOLERANCE)),
+    # Errors of the ordinary rules fall exponentially with the distance.
+    farther = max(1.0, math.log(resolution.tolerance) / math.log(CLOSE_TOLERANCE))
+    flow = surroundings.flow(
+        FlowRules(
+            near_cutoff=resolution.near_cutoff,
+            tolerance=resolution.tolerance,
+            wall_gap=wall_gap,
+            extent=HALF_LENGTH,
+            close=close_evaluation if close else None,
+            coarse_beyond=2.0 * near * farther,
+        )
     )
-    return TrainOperator(
-        membrane=resting,
-        tube=tube,
+    return CellsOperator(
+        membrane=membrane,
+        flow=flow,
         own_rule=own_surface_rule(
             sizes.degree,
             np.asarray(target_grid.theta),
             radial=sizes.polar_radial,
             azimuthal=sizes.polar_azimuthal,
-            parameter=tube.split.parameter,
+            parameter=flow.near_parameter,
         ),
         source_grid=source_grid(sizes.degree, order),
         coarse_grid=source_grid(sizes.degree, order // 2) if halved else None,
         target_grid=target_grid,
-        viscosity_ratio=None if ratio == 1.0 else jnp.asarray(ratio),
+        viscosity_ratio=None if viscosity_ratio == 1.0 else jnp.asarray(viscosity_ratio),
         solver_tolerance=SOLVER_TOLERANCE * resolution.tolerance,
     )

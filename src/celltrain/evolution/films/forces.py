@@ -1,10 +1,10 @@
 """Thin films in a train, and the repulsion's energy and forces in them.
 
-    E = 1/2 sum over cells a, b of int phi(d_b(x)) dA_a + sum over cells a of int phi(R - r) dA_a,
+    E = 1/2 sum over cells a, b of int phi(d_b(x)) dA_a + sum over cells a of int phi(d_w) dA_a,
 
-with d_b(x) the distance of a point x of the membrane a from the membrane b (images along the tube
-and a cell's own included), and dA_a the area that the membrane has at rest: the layer is bound to
-it. A film between two cells is integrated from both sides, hence the half.
+with d_b(x) the distance of a point x of the membrane a from the membrane b (images and a cell's own
+included), d_w that from the wall, and dA_a the area that the membrane has at rest: the layer is
+bound to it. A film between two cells is integrated from both sides, hence the half.
 
 The integrals are sums over the points of a grid. With w their areas, p = -phi', y the point of b
 that is nearest to x, and n the direction from y to x, the force of x is w p n/2 and that of y the
@@ -22,8 +22,9 @@ from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.harmonics import Shapes
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import resting_shape
-from celltrain.parameters import Train
+from celltrain.parameters import Cell
 from celltrain.proximity.film_points import FINE, FilmGrid, film_grid
+from celltrain.surroundings import Surroundings
 
 
 @dataclass(frozen=True)
@@ -48,25 +49,24 @@ class Films:
 
 @dataclass(frozen=True, eq=False)
 class FilmForces:
-    """The repulsion in a train's films; `areas` are the membrane's at rest, at the grid's points.
+    """The repulsion in films of equal cells.
 
-    `length` is the period of the whole train, `radius` that of the tube, in r0.
+    `areas` are the membrane's at rest, at the grid's points.
     """
 
     repulsion: Repulsion
-    length: float
-    radius: float
+    surroundings: Surroundings
     grid: FilmGrid
     areas: Float[np.ndarray, " point"]
 
     def __call__(self, shapes: Shapes) -> Films:
-        """The films of all cells, whose mean points lie within the train's length."""
+        """The films of all cells, whose mean points lie within one period."""
         none = Films(np.inf, 0.0, 0.0, np.zeros_like(shapes))
         within = self.repulsion.range
         if within == 0.0:
             return none
-        found = self.grid.find(shapes, within=within, period=self.length)
-        walls = self.grid.at_wall(shapes, within=within, radius=self.radius)
+        found = self.grid.find(shapes, within=within, period=self.surroundings.period)
+        walls = self.grid.at_wall(shapes, within=within, wall=self.surroundings.wall)
         if not len(found.distance) and not len(walls.distance):
             return none
         gap = float(min(found.distance.min(initial=np.inf), walls.distance.min(initial=np.inf)))
@@ -90,16 +90,16 @@ class FilmForces:
         return Films(gap, float(energy), float(totals.max()), forces)
 
 
-def film_forces(train: Train, repulsion: Repulsion) -> FilmForces:
-    """The repulsion in the films of a train's N cells."""
-    degree = train.degree
+def film_forces(
+    cell: Cell, degree: int, surroundings: Surroundings, repulsion: Repulsion
+) -> FilmForces:
+    """The repulsion in the films of equal cells, whose shapes have the harmonics below `degree`."""
     grid = film_grid(degree)
-    down, around = grid.slopes @ resting_shape(train.cell, degree).T
+    down, around = grid.slopes @ resting_shape(cell, degree).T
     element = np.linalg.norm(np.cross(down, around), axis=-1) / np.sin(grid.angles[:, 0])
     return FilmForces(
         repulsion=repulsion,
-        length=train.length,
-        radius=train.radius,
+        surroundings=surroundings,
         grid=grid,
         areas=np.asarray(sphere_grid(1, FINE * degree).weights) * element,
     )

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float
 from celltrain.evolution.dynamics import train_dynamics
 from celltrain.evolution.record.run import Run
 from celltrain.evolution.wall_resolution import LARGEST, SMALLEST, followed
-from celltrain.train import TrainOperator
+from celltrain.train import CellsOperator
 
 #: Called with the number of frames done and that of all.
 FrameProgress = Callable[[int, int], None]
@@ -59,7 +59,7 @@ def pressure_drops(
 
 @eqx.filter_jit
 def _pressure_drop(
-    operator: TrainOperator, shapes: Array, film_forces: Array, motions: Array
+    operator: CellsOperator, shapes: Array, film_forces: Array, motions: Array
 ) -> Array:
     forces = operator.forces(shapes) + film_forces
     return operator.effective_viscosity(shapes, forces, motions)
