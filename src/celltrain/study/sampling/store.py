@@ -33,6 +33,7 @@ CREATE TABLE IF NOT EXISTS trains (
     numbers TEXT NOT NULL
 ) WITHOUT ROWID
 """
+_COLUMNS = ["address", "version", "status", "reason", "numbers"]
 _ADD = "INSERT OR REPLACE INTO trains VALUES (?, ?, ?, ?, ?)"
 
 
@@ -93,9 +94,9 @@ def draw_store(folder: Path, settings: Mapping[str, Any]) -> Iterator[DrawStore]
             connection.execute("PRAGMA synchronous = EXTRA")
             with connection:
                 connection.execute(_TABLE)
-            connection.execute(
-                "SELECT address, version, status, reason, numbers FROM trains LIMIT 0"
-            )
+            found = [row[1] for row in connection.execute("PRAGMA table_info(trains)")]
+            if found != _COLUMNS:
+                raise sqlite3.DatabaseError(f"it has a table with {', '.join(found)}")
         except sqlite3.OperationalError as error:
             raise OSError(str(error)) from None
         except sqlite3.DatabaseError as error:
