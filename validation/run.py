@@ -36,6 +36,7 @@ import paper_page
 import reference
 import sphere
 import transients
+import uncertainty
 
 HERE = Path(__file__).resolve().parent
 REFERENCE = HERE.parents[1] / "shared" / "reference"
@@ -68,6 +69,7 @@ def main() -> None:
         "norms": lambda _: norms.study(),
         "transients": lambda options: transients.study(options.march),
         "boundary": lambda _: boundary.study(),
+        "uncertainty": lambda _: uncertainty.study(),
         # From what the studies above keep.
         "paper": lambda _: paper_page.study(),
         "breakup": lambda options: breakup.study(
