@@ -1,9 +1,10 @@
 """Cells differ: how much that makes of a train's growth rate, and which parameter it comes from.
 
-Physics. Red cells of one person differ in volume by about 12 % and in the moduli of their membranes
-by about 30 %. Trains of 320 kinds of equal cells, drawn from these distributions, say how the growth
-rate, the velocity and the apparent viscosity are distributed, and Sobol indices how much of each
-variance goes when one parameter is known. Beside them stands what the derivatives at the means give.
+Physics. Red cells of one person differ in volume by about 12 % and in the moduli of their
+membranes by about 30 %. Trains of 384 kinds of equal cells, drawn from these distributions, say how
+the growth rate, the velocity and the apparent viscosity are distributed, and Sobol indices how much
+of each variance goes when one parameter is known. Beside them stands what the derivatives at the
+means give.
 
 Scaling. Lengths in r0, velocities in U, rates in U/r0, moduli in mu U; tube of diameter 6, packing
 0.2, eight cells. The volume is that at constant area (the reduced volume).
@@ -13,8 +14,9 @@ the degree of the paper, 12; the distributions are not in the paper.
 
 Run time. Half a minute on two cores; killed, it goes on when run again.
 
-Command. ``python examples/uncertainty.py [FOLDER]``; the report goes to standard output, pictures and
-data to out/uncertainty-example unless told otherwise. ``celltrain sweep`` does the same with a file.
+Command. ``python examples/uncertainty.py [FOLDER]``; the report goes to standard output, pictures
+and data to out/uncertainty-example unless told otherwise. ``celltrain sweep`` does the same with a
+file.
 """
 
 import sys
