@@ -19,7 +19,6 @@ from celltrain.study import (
     make_sampled_study,
     run_sample,
 )
-from celltrain.study.sampling.definition import design, sobol_points
 from celltrain.study.sampling.statistics import estimated, sobol_indices
 
 HERE = Path(__file__).resolve().parent
@@ -44,7 +43,7 @@ OUTPUTS = {
     "effective_viscosity": "apparent viscosity, mu",
 }
 #: What is kept of each train.
-KEPT = (*OUTPUTS, "leading_azimuthal_number", "error_estimate", "processor_seconds", "status")
+KEPT = (*OUTPUTS, "leading_azimuthal_number", "error_estimate", "processor_seconds")
 #: Largest degree of the polynomials that are fitted.
 DEGREE = 4
 TRAINS = 10_000
@@ -78,8 +77,9 @@ def fitted(study: SampledStudy, data: xr.Dataset) -> tuple[np.ndarray, np.ndarra
     all trains; a sum of squares of their coefficients is then a part of the variance.
     """
     count = len(study.names)
-    even = sobol_points(study.sample.points, 2 * count, study.sample.seed)
-    scores = scipy.stats.norm.ppf(design(even)).reshape(-1, count)
+    scores = np.stack(
+        [each.scores(data[each.name].values.ravel()) for each in study.distributions], axis=1
+    )
     powers = [
         each for each in itertools.product(range(DEGREE + 1), repeat=count) if sum(each) <= DEGREE
     ]
@@ -132,8 +132,7 @@ def study() -> None:
     data = page.kept(DATA, sample)
     case = make_sampled_study(STUDY)
     values = outputs(data)
-    status = data["status"].values
-    total, failed = status.size, int((status == "failed").sum())
+    total, failed = values[0].size, int(np.isnan(values[0]).sum())
     found = estimated(values, indices=True)
     assert found.indices is not None
     assert found.low is not None
@@ -170,7 +169,8 @@ are those of resampling points.
     page.table((*head, "5 %", "25 %", "50 %", "75 %", "95 %"), rows)
     near = float(np.mean(np.abs(values[0]) < np.nanmax(data["error_estimate"].values)))
     unstable = _number(100.0 * found.summary.positive[0], 100.0 * found.error.positive[0])
-    other = float(np.mean(data["leading_azimuthal_number"].values[status == "finished"] != 1))
+    leading = data["leading_azimuthal_number"].values
+    other = float(np.mean(leading[np.isfinite(leading)] != 1))
     errors = data["error_estimate"].values
     page.text(
         f"""
@@ -203,16 +203,15 @@ are trains whose tilt hardly grows or decays: there some other, slow mode is the
     page.table(
         ("parameter", "output", "first order (95 %)", "polynomial", "linear", "total (95 %)"), rows
     )
-    inside = np.mean((found.low.first_order <= fit) & (fit <= found.high.first_order))
-    sums = found.indices.first_order.sum(axis=1)
+    inside = ((found.low.first_order <= fit) & (fit <= found.high.first_order)).sum()
+    added = ", ".join(f"{each:.2f}" for each in found.indices.first_order.sum(axis=1))
     page.text(
         f"""
 "Polynomial" are the first-order indices of Hermite polynomials up to degree {DEGREE} fitted to the
 same trains, which explain {", ".join(f"{100 * each:.1f} %" for each in explained)} of the three
 variances: another estimator, which assumes smoothness and has far smaller errors where that holds.
-It lies within {inside:.0%} of the intervals. First-order indices add up to {
-            ", ".join(f"{each:.2f}" for each in sums)
-        }: what is missing from 1 is due to parameters together, or to the errors.
+It lies within {inside} of the {fit.size} intervals. First-order indices add up to {added}; 1 would
+be parameters that act independently of each other.
 """
     )
     rows = []

@@ -114,14 +114,19 @@ class Distribution:
     @cached_property
     def central_score(self) -> float:
         """The place of the mean in the distribution, in deviations of a normal one."""
-        below, here, above = self._whole.cdf([self.least, self.mean, self.most])
-        return float(scipy.stats.norm.ppf((here - below) / (above - below)))
+        return float(self.scores(np.array([self.mean]))[0])
 
     def values(self, even: Float[np.ndarray, " point"]) -> Float[np.ndarray, " point"]:
         """The parameter's values at points that are evenly distributed in (0, 1)."""
         below, above = (float(self._whole.cdf(end)) for end in (self.least, self.most))
         found = self._whole.ppf(below + np.asarray(even) * (above - below))
         return np.clip(found, self.least, self.most)
+
+    def scores(self, values: Float[np.ndarray, " point"]) -> Float[np.ndarray, " point"]:
+        """The places of values in the distribution, in deviations of a normal one."""
+        below, above = (float(self._whole.cdf(end)) for end in (self.least, self.most))
+        even = (self._whole.cdf(values) - below) / (above - below)
+        return np.asarray(scipy.stats.norm.ppf(even))
 
     def __str__(self) -> str:
         if self.form == "uniform":
