@@ -80,6 +80,7 @@ def draw_growth(data: xr.Dataset, path: Path) -> Path:
         values = data[name].isel(matrix=slice(0, 2)).values.ravel()
         axes.plot(values[::step], rates[::step], ".", color=COLOR, markersize=2.5, alpha=0.5)
         axes.set_xlabel(axis_label(data[name]))
+        axes.locator_params(axis="x", nbins=4)
         axes.tick_params(direction="in", top=True, right=True)
         if np.nanmin(rates) < 0.0 < np.nanmax(rates):
             axes.axhline(0.0, color="0.6", linewidth=0.8)
