@@ -1,7 +1,9 @@
 """How much the growth rate, the velocity and the apparent viscosity vary where cells differ."""
 
 import itertools
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy
@@ -19,14 +21,14 @@ from celltrain.study import (
     make_sampled_study,
     run_sample,
 )
-from celltrain.study.sampling.statistics import estimated, sobol_indices
+from celltrain.study.sampling.statistics import WithErrors, estimated, sobol_indices
 
 HERE = Path(__file__).resolve().parent
-DATA = HERE.parent / "docs" / "validation" / "data" / "uncertainty.nc"
+DATA = HERE.parent / "docs" / "validation" / "data"
 #: Where the trains are kept while they are computed.
 FOLDER = Path("out/uncertainty")
 POINTS = 256
-STUDY = {
+STUDY: dict[str, Any] = {
     "title": "cells that differ",
     "case": {"diameter": 6, "packing": 0.2, "cells": 8},
     "distributions": {
@@ -36,6 +38,17 @@ STUDY = {
         "bending_modulus": {"lognormal": {"relative_deviation": 0.3}},
     },
     "sample": {"points": POINTS},
+}
+#: The same with cells of one shape, whose size differs: a third of the volume's deviation.
+SIZES = {
+    "title": "cells of one shape",
+    "units": "SI",
+    "case": {"diameter": 16.8e-6, "packing": 0.2, "cells": 8},
+    "distributions": {
+        "radius": {"lognormal": {"relative_deviation": 0.04}},
+        **{name: each for name, each in STUDY["distributions"].items() if "modulus" in name},
+    },
+    "sample": {"points": POINTS // 4},
 }
 OUTPUTS = {
     "spectral_abscissa": "alpha, U/r0",
@@ -49,9 +62,9 @@ DEGREE = 4
 TRAINS = 10_000
 
 
-def sample(page: Page) -> xr.Dataset:
+def sample(page: Page, content: Mapping[str, Any]) -> xr.Dataset:
     """All trains; killed, it goes on when run again."""
-    study = make_sampled_study(STUDY)
+    study = make_sampled_study(content)
     FOLDER.mkdir(parents=True, exist_ok=True)
     with local_workers() as workers:
         found = run_sample(
@@ -65,7 +78,7 @@ def sample(page: Page) -> xr.Dataset:
     return data[[*KEPT, *study.names, "distribution"]].drop_vars("output", errors="ignore")
 
 
-def outputs(data: xr.Dataset, points: int = POINTS) -> np.ndarray:
+def outputs(data: xr.Dataset, points: int | None = None) -> np.ndarray:
     """The outputs of the first points, by output, matrix and point."""
     return np.stack([data[name].values[:, :points] for name in OUTPUTS])
 
@@ -129,7 +142,7 @@ def linear(study: SampledStudy) -> tuple[np.ndarray, np.ndarray]:
 
 def study() -> None:
     page = Page("uncertainty", "Trains of cells that differ")
-    data = page.kept(DATA, sample)
+    data = page.kept(DATA / "uncertainty.nc", lambda page: sample(page, STUDY))
     case = make_sampled_study(STUDY)
     values = outputs(data)
     total, failed = values[0].size, int(np.isnan(values[0]).sum())
@@ -243,6 +256,7 @@ be parameters that act independently of each other.
     seconds = data["processor_seconds"].values
     each = float(np.nanmean(seconds))
     low_end, high_end = np.nanquantile(seconds, [0.05, 0.95])
+    sizes(page, found)
     page.heading("What it costs")
     page.text(
         f"""
@@ -267,6 +281,38 @@ at the degree that alpha to 1 % asks for, measured while other programs shared t
     panels[0].set_ylabel("trains")
     page.figure(figure, "Trains of cells that differ; above, the first-order indices")
     page.write()
+
+
+def sizes(page: Page, shapes: WithErrors) -> None:
+    """The same for cells of one shape."""
+    data = page.kept(DATA / "uncertainty-sizes.nc", lambda page: sample(page, SIZES))
+    case = make_sampled_study(SIZES)
+    values = outputs(data)
+    found = estimated(values, indices=True)
+    assert found.indices is not None
+    page.heading("Volume as size")
+    page.text(
+        f"""
+A cell's volume may also differ at the same shape. In SI, with the radius r0 drawn (lognormal, 4 %,
+which is 12 % of the volume) in place of the reduced volume, tube, mean velocity and packing
+fraction kept, and the moduli as before: {values[0].size} trains,
+{int(np.isnan(values[0]).sum())} failed. Deviations are over the mean, in brackets those above.
+"""
+    )
+    rows = []
+    for i, name in enumerate(OUTPUTS):
+        mean, deviation = found.summary.mean[i], found.summary.standard_deviation[i]
+        error = found.error.standard_deviation[i]
+        other = shapes.summary.standard_deviation[i] / shapes.summary.mean[i]
+        rows.append(
+            (
+                f"{OUTPUTS[name].split(',')[0]}, {data[name].attrs['units']}",
+                f"{mean:.5g} ± {found.error.mean[i]:.1g}",
+                f"{_number(100 * deviation / mean, 100 * error / mean)} % ({100 * other:.2f} %)",
+                *(f"{each:.2f}" for each in found.indices.first_order[i]),
+            )
+        )
+    page.table(("", "mean", "deviation", *(f"first order: {name}" for name in case.names)), rows)
 
 
 def _number(value: float, error: float) -> str:
