@@ -172,7 +172,7 @@ def make_study(content: Mapping[str, Any]) -> Study:
     )
 
 
-def unknown_part(content: Mapping[str, Any], allowed: tuple[str, ...]) -> None:
+def unknown_part(content: Mapping[str, object], allowed: tuple[str, ...]) -> None:
     """Refuse parts of a study file that there are not.
 
     Raises:
@@ -185,7 +185,7 @@ def unknown_part(content: Mapping[str, Any], allowed: tuple[str, ...]) -> None:
         )
 
 
-def section_of(name: str, content: Mapping[str, Any]) -> Mapping[str, Any]:
+def section_of(name: str, content: Mapping[str, object]) -> Mapping[str, Any]:
     """A section of a study file, empty if it is not there.
 
     Raises:

@@ -7,7 +7,7 @@ it; a scheduler that is lost ends everything.
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from celltrain.study.definition import Case
 
@@ -41,7 +41,7 @@ class Ended(Protocol):
         """Why it failed."""
 
     @property
-    def values(self) -> Mapping[str, Any]:
+    def values(self) -> Mapping[str, float | None]:
         """Its numbers by name."""
 
 

@@ -106,7 +106,7 @@ class SampledStudy:
     computed: ComputedOfDraws
     central: Train
     points: tuple[tuple[DrawnTrain, ...], ...]
-    case: Mapping[str, Any]
+    case: Mapping[str, object]
     units: str
 
     @property
@@ -162,7 +162,7 @@ def design(even: Float[np.ndarray, "point columns"]) -> Float[np.ndarray, "matri
     return np.stack([first, second, *mixed])
 
 
-def make_sampled_study(content: Mapping[str, Any]) -> SampledStudy:
+def make_sampled_study(content: Mapping[str, object]) -> SampledStudy:
     """A study of distributions from the content of its file.
 
     Raises:
@@ -177,7 +177,7 @@ def make_sampled_study(content: Mapping[str, Any]) -> SampledStudy:
     case, given, sample, compute = (
         section_of(name, content) for name in ("case", "distributions", "sample", "compute")
     )
-    units = content.get("units", "dimensionless")
+    units = str(content.get("units", "dimensionless"))
     settings = {"units": units, "unusual": content.get("unusual", False)}
     drawn = _sample(sample, indices=len(given) > 1)
     computed = ComputedOfDraws(**compute)

@@ -164,7 +164,7 @@ def check_name(name: str, units: str) -> FieldInfo:
     return fields[name]
 
 
-def read_form(name: str, given: Any) -> tuple[str, Section]:
+def read_form(name: str, given: object) -> tuple[str, Section]:
     """The form of a distribution and its numbers as a study file gives them.
 
     Raises:

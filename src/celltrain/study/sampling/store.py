@@ -16,7 +16,6 @@ import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from celltrain.parameters import CaseError, Train
 from celltrain.results.version import version
@@ -44,7 +43,7 @@ class DrawStore:
     opened or written.
     """
 
-    def __init__(self, connection: sqlite3.Connection, settings: Mapping[str, Any]) -> None:
+    def __init__(self, connection: sqlite3.Connection, settings: Mapping[str, object]) -> None:
         self._connection = connection
         self._settings = dict(settings)
         self._version = version()
@@ -80,7 +79,7 @@ class DrawStore:
 
 
 @contextmanager
-def draw_store(folder: Path, settings: Mapping[str, Any]) -> Iterator[DrawStore]:
+def draw_store(folder: Path, settings: Mapping[str, object]) -> Iterator[DrawStore]:
     """The store of a folder, which is there; its file is made if need be.
 
     **Raises:** as `DrawStore`.
