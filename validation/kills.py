@@ -2,10 +2,11 @@
 
     python validation/kills.py [--kills 200] [--seed 0]
 
-`stability`, `evolve` and `sweep` in turn, each ended by SIGKILL, SIGTERM and SIGINT in turn, at a
-time drawn from the duration of the whole command. After each, a second process opens all files
-that are there. A simulation and a study go on from where they were, and are killed again, until
-they are complete: then they must be equal, bit for bit, to those that were never stopped.
+`stability`, `evolve`, and `sweep` over axes and over distributions in turn, each ended by SIGKILL,
+SIGTERM and SIGINT in turn, at a time drawn from the duration of the whole command. After each, a
+second process opens all files that are there. A simulation and a study go on from where they were,
+and are killed again, until they are complete: then they must be equal, bit for bit, to those that
+were never stopped.
 """
 
 import argparse
@@ -35,6 +36,19 @@ diameter = [5.5, 6, 6.5]
 [compute]
 estimate_error = false
 """
+SAMPLE = """
+[case]
+diameter = 6
+packing = 0.3
+cells = 1
+degree = 6
+[distributions]
+shear_modulus = {lognormal = {relative_deviation = 0.1}}
+[sample]
+points = 16
+[compute]
+azimuthal_numbers = [0, 1]
+"""
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 #: Seconds after a signal within which a command is to end.
 SOON = 2.0
@@ -46,11 +60,15 @@ import sys
 from pathlib import Path
 from celltrain.results import read_dataset
 from celltrain.study import CaseRecord
+from celltrain.study.sampling.store import draw_store
 for path in Path(sys.argv[1]).rglob("*"):
     if path.name.startswith("."):
         continue
     if path.suffix == ".nc":
         read_dataset(path)
+    elif path.suffix == ".sqlite":
+        with draw_store(path.parent, {}) as store:
+            store.records()
     elif path.suffix == ".json":
         CaseRecord.model_validate_json(path.read_bytes())
 """
@@ -89,19 +107,23 @@ class Job:
 
 
 def jobs(folder: Path) -> list[Job]:
-    for name in ("stability", "evolve", "sweep"):
+    for name in ("stability", "evolve", "sweep", "sample"):
         (folder / name).mkdir()
     study = folder / "study.toml"
     study.write_text(STUDY)
+    cells = folder / "cells.toml"
+    cells.write_text(SAMPLE)
     stability = ["stability", *CASE, "-o", str(folder / "stability" / "train.nc"), "--quiet"]
     run = str(folder / "evolve" / "run.nc")
     on = ["--until", "0.6", "--save-seconds", "0", "--quiet"]
     evolve = ["evolve", *CASE, "--disturbance", "random:3", "--every", "0.1", "-o", run, *on]
     sweep = ["sweep", str(study), "-o", str(folder / "sweep"), "--workers", "1", "--quiet"]
+    sample = ["sweep", str(cells), "-o", str(folder / "sample"), "--workers", "1", "--quiet"]
     return [
         Job("stability", stability, stability, folder / "stability"),
         Job("evolve", evolve, ["evolve", "--resume", "-o", run, *on], folder / "evolve"),
         Job("sweep", sweep, sweep, folder / "sweep"),
+        Job("sample", sample, sample, folder / "sample"),
     ]
 
 

@@ -37,6 +37,7 @@ import paper_page
 import reference
 import sphere
 import transients
+import uncertainty
 
 HERE = Path(__file__).resolve().parent
 REFERENCE = HERE.parents[1] / "shared" / "reference"
@@ -70,6 +71,7 @@ def main() -> None:
         "transients": lambda options: transients.study(options.march),
         "boundary": lambda _: boundary.study(),
         "capsules": lambda _: capsules.study(),
+        "uncertainty": lambda _: uncertainty.study(),
         # From what the studies above keep.
         "paper": lambda _: paper_page.study(),
         "breakup": lambda options: breakup.study(

@@ -1,10 +1,10 @@
 """The run of a study from the command line, with live progress: what sweeps and figures share."""
 
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 from cyclopts import Parameter
 from rich.console import Console
@@ -35,6 +35,11 @@ from celltrain.study import (
     run_study,
     scheduled_workers,
 )
+from celltrain.study.sampling.definition import SampledStudy
+from celltrain.study.sampling.engine import NoCentralTrain, Sampled, run_sample
+
+Found = TypeVar("Found")
+Tell = Callable[[StudyProgress], None]
 
 # Cases take minutes, so the time left follows from the last hour.
 SPEED_PERIOD = 3600.0
@@ -73,38 +78,69 @@ def compute(study: Study, run: StudyRun, errors: Console) -> dict[tuple[int, ...
         CaseError: for workers that are not allowed.
         CommandFailed, KeyboardInterrupt: with what is kept as the message.
     """
-    if run.workers is not None and run.scheduler is not None:
-        raise CaseError("workers and scheduler are not allowed together: give one of them")
     computation = StabilityOfCase(study.computed)
-    last: list[StudyProgress] = []
 
-    def kept() -> str:
-        finished = last[0].finished if last else 0
-        return (
-            f"{finished} of {len(study.cases)} cases are finished and kept in {run.folder};"
-            " the same command goes on with the others"
+    def on_workers(workers: Workers, tell: Tell) -> dict[tuple[int, ...], CaseRecord]:
+        return run_study(
+            study,
+            run.folder.absolute(),
+            computation,
+            workers.executor,
+            workers.slots,
+            retry=run.retry,
+            progress=tell,
         )
 
-    try:
-        with (
-            kept_by(kept),
-            _workers(run) as workers,
-            _shown(study, errors, quiet=run.quiet) as show,
-        ):
+    total = len(study.cases)
+    return _kept_going(on_workers, run, total, _Show(study.title, total, run, errors))
 
-            def tell(progress: StudyProgress) -> None:
-                last[:] = [progress]
-                show(progress)
 
-            return run_study(
+def compute_sample(study: SampledStudy, run: StudyRun, errors: Console) -> Sampled:
+    """The same for a study of distributions.
+
+    Raises:
+        CaseError, CommandFailed, KeyboardInterrupt: as `compute`.
+    """
+
+    def on_workers(workers: Workers, tell: Tell) -> Sampled:
+        try:
+            return run_sample(
                 study,
                 run.folder.absolute(),
-                computation,
                 workers.executor,
                 workers.slots,
                 retry=run.retry,
                 progress=tell,
             )
+        except NoCentralTrain as error:
+            raise CommandFailed(str(error), ExitStatus.NOT_CONVERGED) from None
+
+    show = _Show(study.title, study.total, run, errors, many=True)
+    return _kept_going(on_workers, run, study.total, show)
+
+
+def _kept_going(
+    on_workers: "Callable[[Workers, Tell], Found]", run: StudyRun, total: int, show: "_Show"
+) -> "Found":
+    """Run what workers do, with progress; whatever stops it says what is kept."""
+    if run.workers is not None and run.scheduler is not None:
+        raise CaseError("workers and scheduler are not allowed together: give one of them")
+    last: list[StudyProgress] = []
+
+    def kept() -> str:
+        finished = last[0].finished if last else 0
+        return (
+            f"{finished} of {total} cases are finished and kept in {run.folder};"
+            " the same command goes on with the others"
+        )
+
+    def tell(progress: StudyProgress) -> None:
+        last[:] = [progress]
+        show(progress)
+
+    try:
+        with kept_by(kept), _workers(run) as workers, show:
+            return on_workers(workers, tell)
     except (KeyboardInterrupt, WorkersLost, NotKept, OSError) as stopped:
         if isinstance(stopped, KeyboardInterrupt):
             raise KeyboardInterrupt(kept()) from None
@@ -120,48 +156,56 @@ def _workers(run: StudyRun) -> AbstractContextManager[Workers]:
     return scheduled_workers(run.scheduler) if run.scheduler else local_workers(run.workers)
 
 
-@contextmanager
-def _shown(study: Study, errors: Console, *, quiet: bool) -> "Iterator[_Show]":
-    live = errors.is_terminal
-    bar = Bar(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[note]}"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-        console=errors,
-        transient=True,
-        disable=quiet or not live,
-        speed_estimate_period=SPEED_PERIOD,
-    )
-    with bar:
-        yield _Show(study, bar, errors, lines=not quiet)
-
-
 class _Show:
-    """Shows where a study stands: a bar on a terminal, and a line for each case that ends."""
+    """Shows where a study stands: a bar on a terminal, and a line for each case that ends.
 
-    def __init__(self, study: Study, bar: Bar, errors: Console, *, lines: bool) -> None:
-        self._bar = bar
-        self._errors = errors
-        self._lines = lines
-        self._task = bar.add_task(study.title, total=len(study.cases), note="")
+    Of many cases only those that fail have a line of their own, and each tenth of all.
+    """
+
+    def __init__(
+        self, title: str, total: int, run: StudyRun, errors: Console, *, many: bool = False
+    ) -> None:
+        self._errors, self._quiet, self._many = errors, run.quiet, many
+        self._tenth = 0
+        self._bar = Bar(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[note]}"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+            console=errors,
+            transient=True,
+            disable=run.quiet or not errors.is_terminal,
+            speed_estimate_period=SPEED_PERIOD,
+        )
+        self._task = self._bar.add_task(title, total=total, note="")
+
+    def __enter__(self) -> None:
+        self._bar.start()
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
 
     def __call__(self, progress: StudyProgress) -> None:
         done = progress.finished + progress.failed
         note = f"{progress.failed} failed" if progress.failed else ""
         self._bar.update(self._task, completed=done, note=note)
-        if not self._lines:
+        if self._quiet:
             return
-        if progress.last is None:
+        if not progress.ended:
             self._print(f"{done} of {progress.total} cases were there already")
-            return
-        case, record = progress.last
-        alpha = record.values.get("spectral_abscissa")
-        result = f"failed: {record.reason}" if record.status == "failed" else f"alpha {alpha:.2e}"
-        self._print(f"{done}/{progress.total}  {case}: {result}")
+        for case, record in progress.ended:
+            if record.status == "failed":
+                self._print(f"{done}/{progress.total}  {case}: failed: {record.reason}")
+            elif not self._many:
+                alpha = record.values.get("spectral_abscissa")
+                self._print(f"{done}/{progress.total}  {case}: alpha {alpha:.2e}")
+        tenth = 10 * done // progress.total
+        if self._many and progress.ended and tenth > self._tenth:
+            self._print(f"{done}/{progress.total}")
+        self._tenth = tenth
 
     def _print(self, line: str) -> None:
         self._errors.print(line, highlight=False, markup=False, soft_wrap=True)

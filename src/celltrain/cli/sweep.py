@@ -12,10 +12,18 @@ from rich.console import Console
 from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder
-from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
+from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute, compute_sample
 from celltrain.contract import presentation
 from celltrain.results import only_writer
-from celltrain.study import Study, collect, read_study
+from celltrain.study import (
+    SampledStudy,
+    SampleResult,
+    Study,
+    StudyResult,
+    collect,
+    collect_sample,
+    read_study,
+)
 
 StudyFile = Annotated[Path, Parameter(help="TOML file of the study.")]
 Folder = Annotated[
@@ -39,7 +47,7 @@ def sweep(
     json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Run or resume a study: the stability of trains over ranges of their parameters.
+    """Run or resume a study: the stability of trains over ranges or distributions of parameters.
 
     Exit status 3 if cases failed; the table says why.
     """
@@ -52,15 +60,19 @@ def sweep(
         return _sweep(wanted, run, errors, json=json)
 
 
-def _sweep(wanted: Study, run: StudyRun, errors: Console, *, json: bool) -> int:
+def _sweep(wanted: Study | SampledStudy, run: StudyRun, errors: Console, *, json: bool) -> int:
+    result: StudyResult | SampleResult
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr):
-        records = compute(wanted, run, errors)
-    result = collect(wanted, records)
+        if isinstance(wanted, SampledStudy):
+            result = collect_sample(wanted, compute_sample(wanted, run, errors))
+            plain: object = presentation(result.kind).summary(result)
+        else:
+            records = compute(wanted, run, errors)
+            result = collect(wanted, records)
+            plain = [each.model_dump() for each in records.values()]
     text = result.table()
-    shown = text
-    if json:
-        shown = json_.dumps([each.model_dump() for each in records.values()], indent=2) + "\n"
+    shown = json_.dumps(plain, indent=2) + "\n" if json else text
     keeper = Keeper(errors, quiet=run.quiet)
     keeper.show(lambda: sys.stdout.write(shown))
     keeper.text(run.folder / "table.md", text)

@@ -80,7 +80,11 @@ class AbscissaLadder:
 
     def abscissa(self, degree: int) -> float:
         """alpha at a degree."""
-        return max(self._of(degree, m) for m in self._numbers if m <= degree)
+        return max(self.by_number(degree).values())
+
+    def by_number(self, degree: int) -> dict[int, float]:
+        """The largest growth rate of each azimuthal number that is looked at, at a degree."""
+        return {m: self._of(degree, m) for m in self._numbers if m <= degree}
 
     def resolved(
         self,

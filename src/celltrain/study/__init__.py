@@ -9,10 +9,15 @@ from celltrain.study.definition import (
     Study,
     describe,
     make_study,
-    read_study,
 )
-from celltrain.study.engine import NotKept, StudyProgress, WorkersLost, run_study
+from celltrain.study.dispatch import NotKept, StudyProgress, WorkersLost
+from celltrain.study.engine import run_study
+from celltrain.study.reading import read_study
 from celltrain.study.result import StudyResult
+from celltrain.study.sampling.collect import collect_sample
+from celltrain.study.sampling.definition import SampledStudy, make_sampled_study
+from celltrain.study.sampling.engine import NoCentralTrain, Sampled, run_sample
+from celltrain.study.sampling.result import SampleResult
 from celltrain.study.store import CaseRecord, Store
 from celltrain.study.workers import Workers, local_workers, scheduled_workers
 
@@ -22,8 +27,12 @@ __all__ = [
     "CaseRecord",
     "Computation",
     "Computed",
+    "NoCentralTrain",
     "NotKept",
     "Outcome",
+    "SampleResult",
+    "Sampled",
+    "SampledStudy",
     "StabilityOfCase",
     "Store",
     "Study",
@@ -32,10 +41,13 @@ __all__ = [
     "Workers",
     "WorkersLost",
     "collect",
+    "collect_sample",
     "describe",
     "local_workers",
+    "make_sampled_study",
     "make_study",
     "read_study",
+    "run_sample",
     "run_study",
     "scheduled_workers",
 ]

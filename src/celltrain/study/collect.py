@@ -46,7 +46,7 @@ def collect(study: Study, records: Records) -> StudyResult:
         name: (names, array.astype(str), WORDS[name].attributes) for name, array in words.items()
     }
     coordinates = {
-        axis.name: (axis.name, _values(axis), _meaning(axis.name, study.units))
+        axis.name: (axis.name, _values(axis), parameter_meaning(axis.name, study.units))
         for axis in study.axes
     }
     header = {
@@ -57,8 +57,8 @@ def collect(study: Study, records: Records) -> StudyResult:
     return StudyResult(xr.Dataset(variables, coords=coordinates, attrs=header))
 
 
-def _meaning(name: str, units: str) -> dict[str, str]:
-    """Attributes of an axis, whose values are in the units of the study file."""
+def parameter_meaning(name: str, units: str) -> dict[str, str]:
+    """Attributes of a parameter, whose values are in the units of the study file."""
     taken = TAKEN.get(name) or Scales.model_fields[name]
     measured = dimension(taken)
     return {

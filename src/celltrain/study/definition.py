@@ -17,13 +17,12 @@ A study file is TOML; a study over a grid of 7 x 11 cases is
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from celltrain.parameters import CaseError, Train, merge_case, read_case
+from celltrain.parameters import CaseError, Train, merge_case
 from celltrain.parameters.routing import LEAVES, SI_LEAVES, flatten
 from celltrain.parameters.section import Real, Section, Whole
 from celltrain.study.columns import further
@@ -119,7 +118,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Study:
-    """A grid of cases, checked when it is made by `make_study` or `read_study`."""
+    """A grid of cases, checked when it is made by `make_study`."""
 
     title: str
     axes: tuple[Axis, ...]
@@ -144,16 +143,6 @@ def describe(values: Mapping[str, AxisValue]) -> str:
     )
 
 
-def read_study(path: str | Path) -> Study:
-    """The study that a TOML file describes.
-
-    Raises:
-        CaseError: if the file cannot be read, or the study or one of its cases is not allowed.
-    """
-    content = read_case(path)
-    return make_study({"title": Path(path).stem, **content})
-
-
 def make_study(content: Mapping[str, Any]) -> Study:
     """A study from the content of a study file.
 
@@ -161,10 +150,8 @@ def make_study(content: Mapping[str, Any]) -> Study:
         CaseError: if the study or one of its cases is not allowed; the message names the axis, the
             value and what is allowed.
     """
-    unknown = [name for name in content if name not in PARTS]
-    if unknown:
-        raise CaseError(f"unknown name {unknown[0]!r} in a study; allowed are: {', '.join(PARTS)}")
-    parts = {name: _mapping(name, content.get(name, {})) for name in ("case", "axes", "compute")}
+    unknown_part(content, PARTS)
+    parts = {name: section_of(name, content) for name in ("case", "axes", "compute")}
     units = content.get("units", "dimensionless")
     case = {**parts["case"], "units": units, "unusual": content.get("unusual", False)}
     fixed = flatten(parts["case"], SI_LEAVES if units == "SI" else LEAVES)
@@ -185,7 +172,26 @@ def make_study(content: Mapping[str, Any]) -> Study:
     )
 
 
-def _mapping(name: str, given: Any) -> Mapping[str, Any]:
+def unknown_part(content: Mapping[str, object], allowed: tuple[str, ...]) -> None:
+    """Refuse parts of a study file that there are not.
+
+    Raises:
+        CaseError: for the first of them.
+    """
+    unknown = [name for name in content if name not in allowed]
+    if unknown:
+        raise CaseError(
+            f"unknown name {unknown[0]!r} in a study; allowed are: {', '.join(allowed)}"
+        )
+
+
+def section_of(name: str, content: Mapping[str, object]) -> Mapping[str, Any]:
+    """A section of a study file, empty if it is not there.
+
+    Raises:
+        CaseError: if it is no section.
+    """
+    given = content.get(name, {})
     if not isinstance(given, Mapping):
         raise CaseError(f"{name} = {given!r} is not allowed: [{name}] is a section")
     return given

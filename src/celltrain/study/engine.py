@@ -7,9 +7,8 @@ whoever asked for it.
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from concurrent.futures import Executor, Future
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -18,31 +17,8 @@ from celltrain.results import only_writer
 from celltrain.steady import Base
 from celltrain.study.computation import Computation, Outcome
 from celltrain.study.definition import Case, Study
+from celltrain.study.dispatch import TRIES, NotKept, StudyProgress, WorkerDied, work_through
 from celltrain.study.store import CaseRecord, Store
-
-#: How often a case is tried whose worker dies, before it counts as failed.
-TRIES = 2
-# Seconds after which to look for new slots while no case ends.
-LOOK_AGAIN = 2.0
-
-
-class NotKept(RuntimeError):
-    """A case's result could not be written. What was written before is kept."""
-
-
-class WorkersLost(RuntimeError):
-    """Nothing computes any more: the scheduler has gone. What is finished is kept."""
-
-
-@dataclass(frozen=True)
-class StudyProgress:
-    """Where the run of a study stands; `last` is the case that has just ended, if any."""
-
-    finished: int
-    failed: int
-    running: int
-    total: int
-    last: tuple[Case, CaseRecord] | None = None
 
 
 def compute_case(
@@ -132,69 +108,69 @@ def _run(
     retry: bool,
     progress: Callable[[StudyProgress], None] | None,
 ) -> dict[tuple[int, ...], CaseRecord]:
-    store = Store(folder, computation.settings)
-    records: dict[tuple[int, ...], CaseRecord] = {}
-    pending: list[Case] = []
-    for case in study.cases:
-        store.tidy(case.train)
-        record = store.record(case.train)
-        if record is None or (retry and record.status == "failed"):
-            pending.append(case)
-        else:
-            records[case.index] = record
-    finished = [
-        case
-        for case in study.cases
-        if case.index in records and records[case.index].status == "finished"
-    ]
-    running: dict[Future[CaseRecord], Case] = {}
-    tries: Counter[tuple[int, ...]] = Counter()
-
-    def tell(last: tuple[Case, CaseRecord] | None = None) -> None:
-        if progress is not None:
-            failed = sum(record.status == "failed" for record in records.values())
-            ready = len(records) - failed
-            progress(StudyProgress(ready, failed, len(running), len(study.cases), last))
-
-    tell()
-    while pending or running:
-        while pending and len(running) < max(1, slots()):
-            case, start = choose(study, pending, finished, list(running.values()))
-            pending.remove(case)
-            future = executor.submit(
-                compute_case, computation, folder, case.train, start.train if start else None
-            )
-            running[future] = case
-        done, _ = wait(running, timeout=LOOK_AGAIN, return_when=FIRST_COMPLETED)
-        for future in done:
-            case = running.pop(future)
-            tries[case.index] += 1
-            record = _settle(store, case, future, last=tries[case.index] >= TRIES)
-            if record is None:
-                pending.append(case)
-                continue
-            records[case.index] = record
-            if record.status == "finished":
-                finished.append(case)
-            tell((case, record))
-    return records
+    work = _Cases(study, folder, computation, executor, retry=retry, progress=progress)
+    work_through(work, slots)
+    return work.records
 
 
-def _settle(
-    store: Store, case: Case, future: "Future[CaseRecord]", *, last: bool
-) -> CaseRecord | None:
-    """The record of a case that has ended; None if its worker did, and this try is not the last."""
-    try:
-        return future.result()
-    except NotKept:
-        raise
-    except CancelledError:
-        raise WorkersLost("the scheduler of the workers was lost") from None
-    except Exception as error:
-        # A case that fails says so itself; this is the end of the process that computed it, which
-        # may have had nothing to do with it.
-        reason = f"its worker died in {TRIES} tries ({type(error).__name__}): {error}"
-        return store.fail(case.train, reason) if last else None
+class _Cases:
+    """The cases of a study that are left to do, and the records of the others."""
+
+    def __init__(
+        self,
+        study: Study,
+        folder: Path,
+        computation: Computation,
+        executor: Executor,
+        *,
+        retry: bool,
+        progress: Callable[[StudyProgress], None] | None,
+    ) -> None:
+        self._study, self._folder, self._computation = study, folder, computation
+        self._executor, self._progress = executor, progress
+        self._store = Store(folder, computation.settings)
+        self._tries: Counter[tuple[int, ...]] = Counter()
+        self._finished: list[Case] = []
+        self.pending: list[Case] = []
+        self.records: dict[tuple[int, ...], CaseRecord] = {}
+        for case in study.cases:
+            self._store.tidy(case.train)
+            record = self._store.record(case.train)
+            if record is None or (retry and record.status == "failed"):
+                self.pending.append(case)
+            else:
+                self._know(case, record)
+        self._tell(())
+
+    def take(self, running: Sequence[Case]) -> tuple[Case, "Future[CaseRecord]"]:
+        """Give out a case."""
+        case, start = choose(self._study, self.pending, self._finished, running)
+        self.pending.remove(case)
+        train = start.train if start else None
+        arguments = (self._computation, self._folder, case.train, train)
+        return case, self._executor.submit(compute_case, *arguments)
+
+    def settle(self, case: Case, answer: CaseRecord | WorkerDied) -> None:
+        """Keep the record of a case that has ended, or give it out again if its worker died."""
+        self._tries[case.index] += 1
+        if isinstance(answer, WorkerDied):
+            if self._tries[case.index] < TRIES:
+                self.pending.append(case)
+                return
+            answer = self._store.fail(case.train, answer.reason)
+        self._know(case, answer)
+        self._tell(((case, answer),))
+
+    def _know(self, case: Case, record: CaseRecord) -> None:
+        self.records[case.index] = record
+        if record.status == "finished":
+            self._finished.append(case)
+
+    def _tell(self, ended: tuple[tuple[Case, CaseRecord], ...]) -> None:
+        if self._progress is not None:
+            ready = len(self._finished)
+            failed = len(self.records) - ready
+            self._progress(StudyProgress(ready, failed, len(self._study.cases), ended))
 
 
 def choose(
