@@ -26,7 +26,7 @@ from celltrain.explore.figures import (
     wave_figures,
 )
 from celltrain.explore.layout import page
-from celltrain.explore.maps import study_figure
+from celltrain.explore.maps import ring_at, study_figure
 from celltrain.explore.opened import Opened
 from celltrain.explore.reading import Reading
 from celltrain.explore.report import report
@@ -181,11 +181,10 @@ def _add_curves(app: Dash, opened: Opened, engine: Engine) -> None:
             prevent_initial_call=True,
         )
         def mark(change: Mapping[str, Any]) -> Any:
-            point = change.get("point")
-            if point is None:
+            if "place" not in change:
                 raise PreventUpdate
             patch = Patch()
-            patch["data"][-1]["x"], patch["data"][-1]["y"] = [point[0]], [point[1]]
+            patch["data"][-1].update(ring_at(study, change["place"]))
             return patch
 
     if opened.run is not None:

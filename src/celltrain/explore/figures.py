@@ -35,6 +35,20 @@ def axis(title: str, **more: Any) -> dict[str, Any]:
     }
 
 
+def logarithmic(low: float, high: float) -> dict[str, Any]:
+    """What makes an axis logarithmic, with ticks that say their values in full."""
+    decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    steps = (1.0, 2.0, 5.0) if high < 200.0 * low else (1.0,)
+    ticks = [step * 10.0**decade for decade in decades for step in steps]
+    inside = [tick for tick in ticks if low <= tick <= high]
+    return {
+        "type": "log",
+        "range": [float(np.log10(low)), float(np.log10(high))],
+        "tickvals": inside,
+        "ticktext": [f"{tick:g}" for tick in inside],
+    }
+
+
 def figure(data: Sequence[dict[str, Any]], **layout: Any) -> Figure:
     """A figure as all are laid out."""
     return {
@@ -110,9 +124,11 @@ def wave_figures(
             {
                 "type": "scatter",
                 "mode": "lines+markers",
-                "x": (rate * result.growth_rates(m)).tolist(),
-                "y": (rate * result.frequencies(m)).tolist(),
-                "customdata": [f"{m},{place},0" for place in range(len(result.phases))],
+                "x": (rate * result.growth_rates(m)[_first(result, m) :]).tolist(),
+                "y": (rate * result.frequencies(m)[_first(result, m) :]).tolist(),
+                "customdata": [
+                    f"{m},{place},0" for place in range(_first(result, m), len(result.phases))
+                ],
                 "name": f"m = {m}",
                 "line": {"color": COLORS[m % 4], "width": 1},
                 "marker": {"color": COLORS[m % 4], "symbol": SYMBOLS[m % 4], "size": 7},
@@ -127,7 +143,8 @@ def wave_figures(
     }
     wide = max(3.0 * abs(best.growth_rate), 0.02) * rate
     high = max(1.5 * abs(best.frequency), 0.02) * rate
-    whole = figure(traces, **axes, shapes=[_vertical(0.0, INK, 0.8)])
+    words = {**_above("the leading one of each m, over the phase q"), "font": {"color": QUIET}}
+    whole = figure(traces, **axes, shapes=[_vertical(0.0, INK, 0.8)], annotations=[words])
     inner = figure(
         traces,
         xaxis={**axes["xaxis"], "range": [-2.0 * wide, wide]},
@@ -147,19 +164,19 @@ def dispersion_figure(result: InfiniteTrain, reading: Reading) -> Figure:
     """
     rate, unit = reading.of("U/r0")
     best = result.most_unstable
-    small = max(2.0 * abs(best.growth_rate), 1e-3)
+    small = max(2.0 * abs(best.growth_rate), 1e-3) * rate
     phases = result.phases / np.pi
     traces: list[dict[str, Any]] = []
     for m in result.azimuthal_numbers:
-        values = result.growth_rates(m)
-        first = 1 if m == 0 and phases[0] == 0.0 else 0
+        first = _first(result, m)
+        values = rate * result.growth_rates(m)[first:]
         traces.append(
             {
                 "type": "scatter",
                 "mode": "lines+markers",
                 "x": phases[first:].tolist(),
-                "y": _bent(values[first:], small).tolist(),
-                "text": [f"{each * rate:.4g}" for each in values[first:]],
+                "y": _bent(values, small).tolist(),
+                "text": [f"{each:.4g}" for each in values],
                 "name": f"m = {m}",
                 "line": {"color": COLORS[m % 4], "width": 1.6},
                 "marker": {"color": COLORS[m % 4], "symbol": SYMBOLS[m % 4], "size": 6},
@@ -171,7 +188,7 @@ def dispersion_figure(result: InfiniteTrain, reading: Reading) -> Figure:
             "type": "scatter",
             "mode": "markers",
             "x": [best.phase / np.pi],
-            "y": _bent(np.array([best.growth_rate]), small).tolist(),
+            "y": _bent(np.array([best.growth_rate * rate]), small).tolist(),
             "marker": {
                 "symbol": "star",
                 "size": 14,
@@ -181,7 +198,7 @@ def dispersion_figure(result: InfiniteTrain, reading: Reading) -> Figure:
             "hovertemplate": f"most unstable: {best.growth_rate * rate:.4g} {unit}<extra></extra>",
         }
     )
-    every = np.concatenate([result.growth_rates(m) for m in result.azimuthal_numbers])
+    every = rate * np.concatenate([result.growth_rates(m) for m in result.azimuthal_numbers])
     ticks = _bent_ticks(float(every.min()), float(every.max()), small)
     return figure(
         traces,
@@ -189,10 +206,15 @@ def dispersion_figure(result: InfiniteTrain, reading: Reading) -> Figure:
         yaxis=axis(
             f"growth rate α<sub>m</sub>(q) ({unit})",
             tickvals=_bent(np.array(ticks), small).tolist(),
-            ticktext=[f"{tick * rate:.2g}".replace("-", "\N{MINUS SIGN}") for tick in ticks],
+            ticktext=[f"{tick:g}".replace("-", "−") for tick in ticks],
         ),
         shapes=[_horizontal(0.0)],
     )
+
+
+def _first(result: InfiniteTrain, m: int) -> int:
+    """Where the curve of an azimuthal number begins: that of m = 0 without q = 0."""
+    return 1 if m == 0 and result.phases[0] == 0.0 else 0
 
 
 def transient_curves(result: TransientGrowth) -> GrowthCurves:
@@ -248,12 +270,10 @@ def growth_figure(curves: GrowthCurves, alpha: float, reading: Reading) -> Figur
     low = max(0.6 * float(min(each.min() for each in curves.by_number.values())), 0.02)
     return figure(
         traces,
-        xaxis=axis(f"time t ({unit})", type="log", dtick=1, exponentformat="power"),
+        xaxis=axis(f"time t ({unit})", **logarithmic(times[0] * time, times[-1] * time)),
         yaxis=axis(
             "largest growth G(t)",
-            type="log",
-            range=[float(np.log10(low)), float(np.log10(top))],
-            dtick="D2",
+            **logarithmic(low, top),
         ),
     )
 

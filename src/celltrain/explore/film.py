@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.evolution import Run
-from celltrain.harmonics import real_harmonics
+from celltrain.harmonics import mean_points, real_harmonics
 
 #: Largest size of a film, bytes of its text, and most frames.
 MOST_BYTES, MOST_FRAMES = 7_000_000, 500
@@ -41,6 +41,8 @@ def film_drawing(run: Run, *, most_bytes: int = MOST_BYTES) -> dict[str, Any]:
         "degree": train.degree,
         "period": train.period,
         "radius": train.radius,
+        # Where the first cell is at first, along the tube.
+        "start": float(mean_points(shapes[0, 0])[2]),
         "step": step,
         "error": error,
         "words": words,

@@ -119,6 +119,19 @@ def train_at(study: StudyResult, place: str) -> Train:
     return train
 
 
+def ring_at(study: StudyResult, place: str) -> dict[str, list[Any]]:
+    """Where the ring stands around a case of a study's figure.
+
+    Of curves over one axis the ring needs the number that is shown, and there is none.
+    """
+    dims = [str(each) for each in study.data["status"].dims]
+    numbers = [int(each) for each in place.split(",")]
+    if len(numbers) < 2:
+        return {"x": [], "y": []}
+    up, right = (study.data[name] for name in dims[-2:])
+    return {"x": [_numbers(right)[numbers[-1]]], "y": [_numbers(up)[numbers[-2]]]}
+
+
 def _cases(
     values: xr.DataArray, x: list[float], y: list[float], places: list[list[str]], label: str
 ) -> list[dict[str, Any]]:

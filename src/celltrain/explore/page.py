@@ -117,7 +117,7 @@ def _of_train(result: Stability | InfiniteTrain | Base) -> dict[str, Any]:
     infinite = isinstance(result, InfiniteTrain)
     content: dict[str, Any] = {
         "title": title(base.train, infinite=infinite),
-        "headline": headline(result),
+        "headline": headline(result, reading),
         "rows": rows(result, reading),
         "motion": motion(base),
         "train": train_drawing(base, infinite=infinite),

@@ -28,16 +28,16 @@ def rows(result: Stability | InfiniteTrain | Base, reading: Reading) -> list[Row
     return found + _of_base(base, reading)
 
 
-def headline(result: Stability | InfiniteTrain | Base) -> str:
+def headline(result: Stability | InfiniteTrain | Base, reading: Reading) -> str:
     """A sentence on the result, as the report has it."""
     if isinstance(result, Stability):
         words = verdict(result)
         return words[0].upper() + words[1:].replace("r0", "r₀") + "."
     if isinstance(result, InfiniteTrain):
-        best = result.most_unstable
+        best, (rate, unit) = result.most_unstable, reading.of("U/r0")
         length = f"{2.0 * math.pi / best.phase:.4g} cells a wave" if best.phase else "all alike"
         return (
-            f"Most unstable wave: growth rate {best.growth_rate:.4g} U/r₀,"
+            f"Most unstable wave: growth rate {best.growth_rate * rate:.4g} {unit},"
             f" m = {best.azimuthal_number}, q = {best.phase:.4g} ({length})."
         )
     return f"Steady train: the cells move at {result.cell_velocity:.4g} U."
@@ -112,7 +112,7 @@ def report(picture: Picture, reading: Reading) -> dict[str, Any]:
     """All words and numbers about a picture."""
     return {
         "title": title(picture.base.train, infinite=picture.view.infinite),
-        "headline": headline(picture.result),
+        "headline": headline(picture.result, reading),
         "motion": motion(picture.base),
         "rows": rows(picture.result, reading),
         "converged": picture.converged,

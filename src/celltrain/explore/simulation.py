@@ -3,7 +3,7 @@
 import numpy as np
 
 from celltrain.evolution import Run
-from celltrain.explore.figures import BLUE, INK, VERMILION, Figure, axis, figure
+from celltrain.explore.figures import BLUE, INK, VERMILION, Figure, axis, figure, logarithmic
 from celltrain.explore.reading import Reading
 from celltrain.pictures.run import run_growth, spread
 
@@ -26,8 +26,9 @@ def simulation_figure(run: Run, reading: Reading) -> Figure:
     if growth.growth_rate is not None:
         exponential = growth.size[0] * np.exp(growth.growth_rate * growth.times)
         curves.append(("e<sup>αt</sup>", exponential, INK, "dot", 1.3))
-    top = float(np.log10(3.0 * max(np.nanmax(growth.size), 1e-12) * length))
-    bottom = float(np.log10(0.4 * max(np.nanmin(growth.size[growth.size > 0.0]), 1e-12) * length))
+    seen = np.concatenate([each[1] for each in curves[:2]])
+    top = 3.0 * max(float(np.nanmax(seen)), 1e-12) * length
+    bottom = 0.5 * max(float(np.nanmin(seen, where=seen > 0.0, initial=np.inf)), 1e-12) * length
     return figure(
         [
             {
@@ -44,9 +45,7 @@ def simulation_figure(run: Run, reading: Reading) -> Figure:
         xaxis=axis(f"time t ({unit})"),
         yaxis=axis(
             f"size of the disturbance ({length_unit})",
-            type="log",
-            range=[bottom, top],
-            exponentformat="power",
+            **logarithmic(bottom, top),
         ),
         showlegend=True,
         legend={"x": 0.02, "y": 0.98, "bgcolor": "rgba(255,255,255,0.7)", "font": {"size": 11}},

@@ -138,7 +138,7 @@ celltrain.explorer = {
 
   clickedMap(click) {
     const point = click && click.points.find((each) => each.customdata !== undefined);
-    if (point) this.send({ place: String(point.customdata), point: [point.x, point.y] });
+    if (point) this.send({ place: String(point.customdata) });
   },
 
   async film() {

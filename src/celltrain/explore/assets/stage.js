@@ -87,7 +87,12 @@ celltrain.Stage = class {
         const coefficients = film.coefficients(number, cell, a);
         this.filmGrid.surface(coefficients, points[a], p * size);
       }
-      const shift = (p - middle) * this.train.period;
+      // Cells are where they have gone, the first one's place at first being 0; a cell that has left
+      // the window at one end comes in at the other.
+      const length = places * film.period;
+      let shift = Math.floor(p / film.cells) * film.cells * film.period - film.start;
+      const mean = film.coefficients(number, cell, 2)[0] / Math.sqrt(4 * Math.PI) + shift;
+      shift -= length * Math.floor((mean + film.period / 2) / length) + middle * film.period;
       for (let v = p * size; v < (p + 1) * size; v++) points[2][v] += shift;
     }
     return points;
@@ -210,8 +215,8 @@ celltrain.Stage = class {
       for (let l = 0; l <= 72; l++) {
         const angle = (2 * Math.PI * l) / 72;
         x.push(place);
-        y.push(this.train.radius * Math.cos(angle));
-        z.push(this.train.radius * Math.sin(angle));
+        y.push(1.005 * this.train.radius * Math.cos(angle));
+        z.push(1.005 * this.train.radius * Math.sin(angle));
       }
       const line = { color, width };
       return { type: "scatter3d", mode: "lines", x, y, z, line, hoverinfo: "skip" };
@@ -234,13 +239,15 @@ celltrain.Stage = class {
       range: [low, high],
       showspikes: false,
     });
+    // A little more than what is drawn: what reaches the edge of the box is cut off.
     const reach = 1.02 * this.train.radius;
+    const end = 1.01 * this.half;
     return {
-      xaxis: hidden(-this.half, this.half),
+      xaxis: hidden(-end, end),
       yaxis: hidden(-reach, reach),
       zaxis: hidden(-reach, reach),
       aspectmode: "manual",
-      aspectratio: { x: length * size, y: 2 * reach * size, z: 2 * reach * size },
+      aspectratio: { x: 2 * end * size, y: 2 * reach * size, z: 2 * reach * size },
       camera: this.camera || celltrain.Stage.look(...celltrain.Stage.ASIDE),
       dragmode: "turntable",
     };
@@ -282,7 +289,7 @@ celltrain.Stage = class {
   _moved(change) {
     if (change["scene.camera"]) this.camera = change["scene.camera"];
     const ratio = change["scene.aspectratio"];
-    if (ratio) this.zoom = ratio.x / (2 * this.half * this.scale);
+    if (ratio) this.zoom = ratio.x / (2.02 * this.half * this.scale);
   }
 
   _key(event) {
