@@ -171,6 +171,9 @@ def test_growth_by_squares_is_growth_by_exponentials(coarse_stability: Stability
     )
     np.testing.assert_allclose(found.largest[inside], there, rtol=2e-3)
     assert found.largest[-1] == pytest.approx(wanted.growth[-1], rel=1e-9)
+    rough = growth_curves(coarse_stability, until=8.0, check=lambda: None, fine=False)
+    np.testing.assert_array_equal(found.times[1::2], rough.times[1:])
+    np.testing.assert_allclose(found.largest[1::2], rough.largest[1:], rtol=1e-12)
     assert found.numerical_abscissa == pytest.approx(wanted.numerical_abscissa)
 
 

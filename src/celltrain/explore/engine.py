@@ -27,7 +27,7 @@ COARSE = 12
 #: Seconds without a change after which the converged answer is computed.
 REST = 0.4
 #: Phases of the coarse curves, and the last time of G(t), r0/U.
-COARSE_PHASES, UNTIL = 9, 10.0
+COARSE_PHASES, UNTIL = 7, 10.0
 # Steady trains to start from, and results that are kept for curves, modes and files.
 _BASES, _RESULTS = 32, 6
 # Leaves by which trains are near or far, relative changes of all of them counting alike.
@@ -153,7 +153,8 @@ class Engine:
             tell=look,
         )
         check()
-        return Curves(picture, waves, growth_curves(result, until=UNTIL, check=check))
+        growth = growth_curves(result, until=UNTIL, check=check, fine=picture.converged)
+        return Curves(picture, waves, growth)
 
     def check(self, page: str, number: int) -> Callable[[], None]:
         """Raises `Superseded` once the page has asked for something else."""
