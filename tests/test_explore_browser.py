@@ -3,58 +3,52 @@
 Times from a change to the picture are printed: run with `-s` to see them.
 """
 
-# ruff: noqa: E402
 import json
 import re
-import shutil
 import threading
 import time
 from collections.abc import Iterator
-from typing import Any
+from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("dash", reason="the explorer needs the extra `explore`")
 pytest.importorskip("selenium", reason="selenium is not there")
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-if CHROMIUM is None or DRIVER is None:
-    pytest.skip("there is no browser: chromium and chromium-driver", allow_module_level=True)
 
+from browser import complaints, converged, hosts, open_browser, there_is_one, wait_for
 from selenium.webdriver import Chrome
-from selenium.webdriver.chrome.options import Options
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.keys import Keys
 
 from celltrain.explore.address import View
 from celltrain.explore.app import make_app
 from celltrain.explore.engine import Engine
+from celltrain.explore.film import film_of
 from celltrain.explore.opened import Opened
+from celltrain.explore.page import assembled, page_of, train_content
 from celltrain.explore.report import row
 from celltrain.explore.server import serve
+from celltrain.harmonics import (
+    azimuthal_basis,
+    coefficients_of,
+    degrees_and_orders,
+    real_harmonics,
+)
 from celltrain.parameters import Train
-from celltrain.stability import stability
+from celltrain.stability import Stability, stability
+from celltrain.steady import Base
 
-FLAGS = (
-    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-    *("--disable-dev-shm-usage", "--window-size=1300,1300"),
-    # WebGL without a graphics card.
-    *("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+pytestmark = pytest.mark.skipif(
+    not there_is_one(), reason="there is no browser: chromium and chromium-driver"
 )
 #: Small, so that also the converged answer is quick.
 CASE = Train(diameter=6, packing=0.3, cells=3, degree=10)
-PATIENCE = 40.0
 
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
-    options = Options()
-    options.binary_location = CHROMIUM
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    driver = Chrome(options=options, service=Service(DRIVER))
-    driver.set_script_timeout(PATIENCE)
+    driver = open_browser(tmp_path_factory.mktemp("profile"))
     yield driver
     driver.quit()
 
@@ -73,26 +67,9 @@ def address() -> Iterator[str]:
     thread.join()
 
 
-def wait_for(browser: Chrome, script: str, what: str) -> Any:
-    """The value of a script once it is true."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        value = browser.execute_script(f"return {script}")
-        if value:
-            return value
-        time.sleep(0.05)
-    raise AssertionError(f"{what}: not within {PATIENCE:g} s")
-
-
 def open_page(browser: Chrome, address: str) -> None:
     browser.get(address)
     converged(browser)
-
-
-def converged(browser: Chrome) -> None:
-    kind = "document.getElementById('status')?.dataset.kind"
-    idle = "!window.celltrain?.explorer.busy"
-    wait_for(browser, f"{kind} === 'converged' && {idle}", "a converged picture")
 
 
 def shown_alpha(browser: Chrome) -> str:
@@ -106,22 +83,6 @@ def move(browser: Chrome, name: str, key: str = Keys.ARROW_RIGHT) -> float:
     browser.find_element("id", f"slider-{name}").send_keys(key)
     wait_for(browser, f"document.body.dataset.answered !== '{before}'", "a picture")
     return float(browser.execute_script("return document.body.dataset.milliseconds"))
-
-
-def complaints(browser: Chrome) -> list[str]:
-    return [each["message"] for each in browser.get_log("browser") if each["level"] == "SEVERE"]
-
-
-def hosts(browser: Chrome) -> set[str]:
-    """Of all requests that pages have made."""
-    found = set()
-    for entry in browser.get_log("performance"):
-        message = json.loads(entry["message"])["message"]
-        if message["method"] != "Network.requestWillBeSent":
-            continue
-        if match := re.match(r"(?:https?|wss?)://([^/:]+)", message["params"]["request"]["url"]):
-            found.add(match[1])
-    return found
 
 
 def test_a_page_loads_quietly_and_from_here_alone(browser: Chrome, address: str) -> None:
@@ -208,6 +169,95 @@ def test_twenty_changes_leave_memory_where_it_was(browser: Chrome, address: str)
     after = heap()
     print(f"\nmemory of the page: {before:.1f} MiB, after 20 changes {after:.1f} MiB")
     assert after < before + 5.0
+
+
+def test_the_browser_evaluates_the_same_shapes(browser: Chrome, address: str) -> None:
+    """Harmonics in the browser's script against those of the package."""
+    browser.get(address)
+    wait_for(browser, "Boolean(window.celltrain?.Grid)", "the scripts")
+    random, degree = np.random.default_rng(3), 7
+    coefficients = random.normal(size=degree**2)
+    vectors = [random.normal(size=len(azimuthal_basis(degree, m))) for m in range(4)]
+    profile = random.normal(size=(2, degree))
+    profile[1, 0] = 0.0
+    result = browser.execute_script(
+        """
+        const [degree, coefficients, vectors, profile] = arguments;
+        const grid = new celltrain.Grid(degree, 6, 8);
+        const surface = new Float64Array(grid.size);
+        grid.surface(coefficients, surface, 0);
+        const points = [];
+        grid.eachVertex((v, k, l) => points.push([grid.theta[k], grid.phi[l]]));
+        const list = (points) => points.map((each) => Array.from(each));
+        return {
+          points,
+          surface: Array.from(surface),
+          moved: vectors.map((vector, m) => list(grid.displacement(vector, m))),
+          rest: list(grid.axisymmetric(profile)),
+        };
+        """,
+        degree,
+        coefficients.tolist(),
+        [each.tolist() for each in vectors],
+        profile.tolist(),
+    )
+    theta, phi = np.array(result["points"]).T
+    harmonics = real_harmonics(degree, theta, phi)
+    np.testing.assert_allclose(result["surface"], harmonics @ coefficients, atol=1e-12)
+    np.testing.assert_allclose(result["rest"], coefficients_of(profile) @ harmonics.T, atol=1e-12)
+    for m, moved in enumerate(result["moved"]):
+        shape = np.tensordot(vectors[m], azimuthal_basis(degree, m), axes=1)
+        np.testing.assert_allclose(moved, shape @ harmonics.T, atol=1e-12)
+
+
+def test_one_file_plays_without_python_or_network(
+    browser: Chrome, tmp_path: Path, coarse_stability: Stability
+) -> None:
+    file = tmp_path / "page.html"
+    file.write_text(page_of(coarse_stability), encoding="utf-8")
+    hosts(browser)
+    browser.get(file.as_uri())
+    wait_for(browser, "document.getElementById('status').dataset.kind === 'ready'", "the page")
+    player = "celltrain.page.player"
+    wait_for(browser, f"{player}.state.playing && {player}.stage.draws > 3", "the leading mode")
+    key = browser.execute_script("return Object.keys(celltrain.page.content.modes)[5]")
+    browser.execute_script("celltrain.page.choose(arguments[0])", key)
+    assert browser.execute_script(f"return {player}.mode.key") == key
+    assert complaints(browser) == []
+    assert hosts(browser) == set()
+
+
+def test_a_film_of_eight_cells_and_500_frames_plays_and_is_small(
+    browser: Chrome, tmp_path: Path, coarse_base: Base
+) -> None:
+    """As smooth as simulations are: every coefficient of degree 16 swings at a pace of its own."""
+    train = coarse_base.train.changed(cells=8, degree=16)
+    random, frames = np.random.default_rng(5), 500
+    number, _ = degrees_and_orders(train.degree)
+    profile = np.zeros((2, train.degree))
+    profile[:, : train.resolution.degree] = np.pad(coarse_base.profile, ((0, 0), (0, 10)))
+    rest = coefficients_of(profile)
+    swing = 0.2 * np.exp(-0.5 * number) * random.normal(size=(8, 3, number.size))
+    pace, phase = random.uniform(0.2, 2.0, swing.shape), random.uniform(0.0, 6.0, swing.shape)
+    times = np.linspace(0.0, 100.0, frames)
+    shapes = rest + swing * np.sin(pace * times[:, None, None, None] + phase)
+    shapes[:, :, 2, 0] += np.sqrt(4.0 * np.pi) * train.period * np.arange(8)
+    film = film_of(train, times, shapes, "complete")
+    content = train_content(replace(coarse_base, train=train, coefficients=rest))
+    file = tmp_path / "film.html"
+    file.write_text(assembled({**content, "film": film}, "film"), encoding="utf-8")
+    size = file.stat().st_size
+    print(f"\npage of a film of 8 cells, degree 16, 500 frames: {size / 1e6:.2f} MB")
+    assert size <= 10e6
+    browser.get(file.as_uri())
+    wait_for(browser, "Boolean(window.celltrain?.page?.player?.film)", "the film")
+    found = browser.execute_script(
+        "return Array.from(celltrain.page.player.film.coefficients(321, 5, 1))"
+    )
+    np.testing.assert_allclose(found, shapes[321, 5, 1], atol=0.51 * film["step"])
+    browser.find_element("css selector", ".player button.play").click()
+    wait_for(browser, "celltrain.page.player.state.frame > 20", "that it plays")
+    assert complaints(browser) == []
 
 
 def _click_leading(browser: Chrome) -> None:

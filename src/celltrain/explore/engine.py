@@ -229,6 +229,5 @@ def _kind(train: Train) -> tuple[object, ...]:
 
 def _distance(one: Train, other: Train) -> float:
     """How far trains are from each other, by the relative changes of their numbers."""
-    first, second = one.leaves(), other.leaves()
-    pairs = ((first[name] or HEALTHY, second[name] or HEALTHY) for name in _NEAR)
+    pairs = ((one.leaf(name) or HEALTHY, other.leaf(name) or HEALTHY) for name in _NEAR)
     return math.fsum(((a - b) / (a + b)) ** 2 for a, b in pairs)

@@ -7,13 +7,16 @@ The step is the smallest for which the film is small enough; the error that it l
 
 import base64
 import gzip
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.evolution import Run
 from celltrain.harmonics import mean_points, real_harmonics
+from celltrain.parameters import Train
+
+if TYPE_CHECKING:
+    from celltrain.evolution import Run  # and with it JAX
 
 #: Largest size of a film, bytes of its text, and most frames.
 MOST_BYTES, MOST_FRAMES = 7_000_000, 500
@@ -21,22 +24,30 @@ MOST_BYTES, MOST_FRAMES = 7_000_000, 500
 FINEST = 1e-5
 
 
-def film_drawing(run: Run, *, most_bytes: int = MOST_BYTES) -> dict[str, Any]:
+def film_drawing(run: "Run") -> dict[str, Any]:
     """The film of a simulation as numbers for the browser, times in r0/U and lengths in r0."""
-    chosen = np.unique(
-        np.linspace(0, len(run.times) - 1, min(len(run.times), MOST_FRAMES)).round().astype(int)
-    )
-    shapes = run.shapes[chosen]
+    places = np.linspace(0, len(run.times) - 1, min(len(run.times), MOST_FRAMES))
+    chosen = np.unique(places.round().astype(int))
+    return film_of(run.train, run.times[chosen], run.shapes[chosen], run.ending.message)
+
+
+def film_of(
+    train: Train,
+    times: Float[np.ndarray, " frame"],
+    shapes: Float[np.ndarray, "frame cell 3 coefficient"],
+    ending: str,
+    *,
+    most_bytes: int = MOST_BYTES,
+) -> dict[str, Any]:
+    """A film of frames, wherever they come from; `ending` says how they ended."""
     step, text = packed(shapes, most_bytes)
-    train = run.train
     error = rounding_error(shapes, step)
     words = (
-        f"Simulation of {shapes.shape[1]} cells, {len(chosen)} frames until t ="
-        f" {run.times[-1]:.4g} r₀/U; {run.ending.message}."
-        + (f" Drawn to {error:.0e} r₀." if error > 1e-3 else "")
+        f"Simulation of {shapes.shape[1]} cells, {len(times)} frames until t ="
+        f" {times[-1]:.4g} r₀/U: {ending}." + (f" Drawn to {error:.0e} r₀." if error > 1e-3 else "")
     )
     return {
-        "times": [float(f"{time:.6g}") for time in run.times[chosen]],
+        "times": [float(f"{time:.6g}") for time in times],
         "cells": shapes.shape[1],
         "degree": train.degree,
         "period": train.period,

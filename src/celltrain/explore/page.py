@@ -52,9 +52,13 @@ def page_of(result: Record, *, name: str = "") -> str:
 
     **Arguments:** `name`: what the page is called, such as the file's name.
     """
-    content = _content(result)
-    content["version"] = version()
-    shown = content["title"] or name
+    return assembled(_content(result), name)
+
+
+def assembled(content: dict[str, Any], name: str) -> str:
+    """The page of what the script `page.js` draws: title, numbers, train, modes, figures, film."""
+    content = {"version": version(), **content}
+    shown = " · ".join(part for part in (name, content["title"]) if part)
     text = (ASSETS / "page.html").read_text(encoding="utf-8")
     parts = {
         "TITLE": html.escape(f"{shown} · celltrain"),
@@ -98,20 +102,21 @@ def _content(result: Record) -> dict[str, Any]:
     if result.kind == "simulation":
         return _of_simulation(result)
     if isinstance(result, TransientGrowth):
-        content = _of_train(result.result)
+        content = train_content(result.result)
         reading = Reading("dimensionless", result.base.train.scales)
         drawn = growth_figure(transient_curves(result), result.spectral_abscissa, reading)
         content["figures"]["growth"] = _titled("Growth of disturbances", drawn)
         return content
     if isinstance(result, Stability | InfiniteTrain | Base):
-        return _of_train(result)
+        return train_content(result)
     found = getattr(result, "result", None)
     if isinstance(found, Stability):
-        return _of_train(found)
-    return _of_train(presentation(result.kind).steady_train(result))
+        return train_content(found)
+    return train_content(presentation(result.kind).steady_train(result))
 
 
-def _of_train(result: Stability | InfiniteTrain | Base) -> dict[str, Any]:
+def train_content(result: Stability | InfiniteTrain | Base) -> dict[str, Any]:
+    """What a page holds of a train, and of its linear dynamics if they are known."""
     base = result if isinstance(result, Base) else result.base
     reading = Reading("dimensionless", base.train.scales)
     infinite = isinstance(result, InfiniteTrain)
@@ -149,7 +154,7 @@ def _of_simulation(run: Any) -> dict[str, Any]:
     from celltrain.explore.film import film_drawing  # and with it JAX
     from celltrain.explore.simulation import simulation_figure
 
-    content = _of_train(run.start)
+    content = train_content(run.start)
     reading = Reading("dimensionless", run.train.scales)
     growth = _titled(
         "Growth of the disturbance", simulation_figure(run, reading), "beside the linear theory"

@@ -182,12 +182,13 @@ celltrain.Player = class {
       }
       requestAnimationFrame(step);
       if (this.stage.busy) return;
-      const seconds = Math.min((now - before) / 1000, 0.5);
+      // The first frame's time may lie before the call.
+      const seconds = Math.min(Math.max((now - before) / 1000, 0), 0.5);
       before = now;
       if (this.state.show === "mode") {
         this.state.phase = (this.state.phase + (360 * seconds) / 4) % 360;
       } else if (this.film) {
-        if (Math.round(place) !== this.state.frame) place = this.state.frame;
+        if (Math.floor(place) !== this.state.frame) place = this.state.frame;
         place += (this.film.frames * seconds) / Math.max(12, this.film.frames / 30);
         if (place > this.film.frames - 1) place = 0;
         this.state.frame = Math.floor(place);
