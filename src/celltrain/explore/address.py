@@ -74,11 +74,11 @@ def view_of(address: str, opened: Train | None = None) -> View:
     infinite = given.get("cells") == "infinite"
     if infinite:
         given["cells"] = str(base.train.cells)
-    values = {name: parsed(name, text) for name, text in given.items()}
+    values: dict[str, object] = {name: parsed(name, text) for name, text in given.items()}
     scales = {name: values.pop(name) for name in Scales.model_fields if name in values}
     if values.get("reference") == "profile" and opened is not None:
         values["profile"] = opened.cell.profile
-    train = Train(**values, scales=Scales(**scales))
+    train = Train(**values, scales=scales)
     return replace(base, train=train, infinite=infinite)
 
 

@@ -8,7 +8,6 @@ number changes all moduli, a mean velocity in SI leaves their SI values. A slide
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from celltrain.parameters import CaseError, Train, merge_case
 from celltrain.parameters.dimension import BENDING_MODULUS, LENGTH, SURFACE_MODULUS, Dimension
@@ -58,16 +57,13 @@ class Control:
 
     def value(self, train: Train, units: Units) -> float:
         """The value in a case, in the unit that is shown."""
-        return float(self.exact(train, units) / self.unit(units)[1])
-
-    def exact(self, train: Train, units: Units) -> Any:
-        """The value in a case, in r0, U and mu or in SI."""
         if self.name == "mean_velocity":
-            return train.scales.mean_velocity
-        value = train.leaf(self.name)
-        if value is None:
-            value = HEALTHY
-        return train.scales.si(DIMENSIONS[self.name], value) if units == "SI" else value
+            return train.scales.mean_velocity / self.unit(units)[1]
+        known = train.leaf(self.name)
+        value = float(known) if isinstance(known, int | float) else HEALTHY
+        dimension = DIMENSIONS[self.name]
+        scale = train.scales.unit(dimension) if units == "SI" else 1.0
+        return value * scale / self.unit(units)[1]
 
     def place(self, value: float, units: Units) -> float:
         """Where a shown value stands on the slider, 0 to 1."""
@@ -114,7 +110,7 @@ def controls(units: Units) -> tuple[Control, ...]:
     return tuple(each.shown_as(units) for each in CONTROLS)
 
 
-def parsed(name: str, text: str) -> Any:
+def parsed(name: str, text: str) -> int | float | str:
     """The value of a leaf that somebody wrote.
 
     Raises:
@@ -122,15 +118,13 @@ def parsed(name: str, text: str) -> Any:
     """
     field = Scales.model_fields[name] if name in Scales.model_fields else TAKEN[name]
     kind = plain_type(field)
-    if kind not in (int, float):
-        return text
     try:
-        return kind(text)
+        return int(text) if kind is int else float(text) if kind is float else text
     except ValueError:
         raise CaseError(f"{name} = {text!r} is not allowed; {allowed_values(field)}") from None
 
 
-def changed(train: Train, given: Mapping[str, Any], units: Units) -> Train:
+def changed(train: Train, given: Mapping[str, object], units: Units) -> Train:
     """The case with leaves put over it, in r0, U and mu or in SI, as the command line does it.
 
     Only what is given changes, so that other values keep all their digits.
@@ -146,7 +140,7 @@ def changed(train: Train, given: Mapping[str, Any], units: Units) -> Train:
     leaves = dict(given)
     scales = train.scales
     faster = leaves.pop("mean_velocity", None)
-    if faster is not None:
+    if isinstance(faster, int | float):
         strength = train.cell.capillary_number * faster / scales.mean_velocity
         train = train.changed(capillary_number=strength)
         scales = Scales(**{**scales.model_dump(), "mean_velocity": faster})

@@ -229,5 +229,10 @@ def _kind(train: Train) -> tuple[object, ...]:
 
 def _distance(one: Train, other: Train) -> float:
     """How far trains are from each other, by the relative changes of their numbers."""
-    pairs = ((one.leaf(name) or HEALTHY, other.leaf(name) or HEALTHY) for name in _NEAR)
+
+    def number(train: Train, name: str) -> float:
+        value = train.leaf(name)
+        return value if isinstance(value, float) and value else HEALTHY
+
+    pairs = ((number(one, name), number(other, name)) for name in _NEAR)
     return math.fsum(((a - b) / (a + b)) ** 2 for a, b in pairs)
