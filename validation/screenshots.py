@@ -52,8 +52,8 @@ SIMULATION = (
 PLAYER = "celltrain.explorer.player"
 #: Width and height of each picture, CSS pixels.
 SIZES = {
-    "explore-train": (1360, 1290),
-    "explore-mode": (1360, 760),
+    "explore-train": (1360, 1440),
+    "explore-mode": (1360, 1010),
     "explore-study": (1360, 1010),
     "explore-simulation": (1360, 920),
     "page": (1180, 900),
@@ -78,9 +78,8 @@ def shoot(browser: Chrome, name: str) -> None:
     time.sleep(2.0)
     path = IMAGES / f"{name}.png"
     browser.save_screenshot(str(path))
-    # A palette is all that such a picture needs, and a third of its size.
     with Image.open(path) as picture:
-        picture.convert("RGB").quantize(200, dither=Image.Dither.NONE).save(path, optimize=True)
+        picture.convert("RGB").save(path, optimize=True)
     print(path, f"{path.stat().st_size / 1000:.0f} kB")
 
 
@@ -104,7 +103,7 @@ def take(name: str, study: Path, simulation: Path, scratch: Path) -> None:
             return
         files = {"explore-study": study, "explore-simulation": simulation}
         with explorer(files.get(name)) as address:
-            extra = "&mode=1,2,0&amplitude=0.5&phase=40" if name == "explore-mode" else ""
+            extra = "&mode=1,1,0&amplitude=0.6&phase=0" if name == "explore-mode" else ""
             browser.get(address + extra)
             converged(browser)
             if name == "explore-study":

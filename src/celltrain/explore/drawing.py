@@ -114,7 +114,7 @@ def _drawing(
         "key": key,
         "m": m,
         "q": phase,
-        "words": f"{words}: {rates}",
+        "words": f"{words}: {rates}".replace("-", "−"),
         "place": [mode.growth_rate * factor, frequency],
         **vector_numbers(vector),
     }

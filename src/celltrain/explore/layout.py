@@ -75,6 +75,9 @@ def _main(opened: Opened) -> list[Any]:
                     html.Div(
                         [
                             html.H2("Study"),
+                            html.Span(
+                                "white line: 0; click a point to open its train", className="note"
+                            ),
                             dcc.RadioItems(
                                 [{"label": words, "value": name} for name, words in names.items()],
                                 next(iter(names)),
@@ -115,9 +118,7 @@ def _main(opened: Opened) -> list[Any]:
                     note="click a point to play its mode",
                 ),
                 _panel("Waves of an infinite train", "dispersion", note="★ most unstable"),
-                _panel(
-                    "Growth of disturbances", "growth", note="grey: largest; dashed eᵅᵗ, dotted eᵑᵗ"
-                ),
+                _panel("Growth of disturbances", "growth", note="– – eᵅᵗ, ··· eᵑᵗ"),
             ],
             className="figures",
         ),

@@ -77,7 +77,7 @@ celltrain.Player = class {
         "Save picture"
       )
     );
-    host.replaceChildren(corner, this.canvas, this.caption, this.bar);
+    host.replaceChildren(this.canvas, make("div", { class: "below" }, this.caption, corner), this.bar);
     this.stage = new celltrain.Stage(this.canvas);
     this._show();
   }
