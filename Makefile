@@ -43,7 +43,7 @@ lock:
 	$(LOCK_PYTHON) -m venv $(LOCK_VENV)
 	$(LOCK_VENV)/bin/python -m pip install --quiet 'pip-tools>=7.5'
 	CUSTOM_COMPILE_COMMAND="make lock" $(LOCK_VENV)/bin/pip-compile --quiet --upgrade \
-	    --extra dev --extra studies --strip-extras --no-emit-index-url --no-emit-trusted-host \
+	    --extra dev --extra studies --extra explore --strip-extras --no-emit-index-url --no-emit-trusted-host \
 	    --no-emit-find-links --pip-args='--only-binary :all:' \
 	    --output-file requirements.lock pyproject.toml
 

@@ -25,6 +25,7 @@ TYPED = (
     "diagnostics",
     "evolution",
     "pictures",
+    "explore",
 )
 install_import_hook([f"celltrain.{name}" for name in TYPED], "beartype.beartype")
 

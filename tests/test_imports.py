@@ -18,6 +18,8 @@ import pytest
         "celltrain.results",
         "celltrain.study",
         "celltrain.pictures",
+        "celltrain.explore.page",
+        "celltrain.explore.engine",
     ],
 )
 def test_no_jax_is_imported(name: str) -> None:

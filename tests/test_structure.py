@@ -38,6 +38,7 @@ ROOMS = (
     "pictures",
     "paper",
     "analyses",
+    "explore",
     "cli",
 )
 #: What the main job passes through; none of it imports JAX.

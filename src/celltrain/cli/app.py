@@ -31,6 +31,14 @@ OTHERS = {
         "evolve:evolve",
         "Simulate a disturbed train; its file can be read meanwhile, a killed simulation resumed.",
     ),
+    "explore": (
+        "explore:explore",
+        "Open a train in the browser: sliders, the cells in three dimensions, spectrum and modes.",
+    ),
+    "page": (
+        "page:page",
+        "Write a result as one page that opens in any browser, without Python or a network.",
+    ),
     "paper": (
         "paper:paper",
         "Compute or resume one of the paper's figures, draw it, and check the paper's statements.",

@@ -19,14 +19,15 @@ def load(path: str | Path) -> Record:
         ForeignFile: a `ValueError`, if it is not a file of this package.
     """
     # What files need takes half a second to load.
-    from celltrain.results.netcdf import ForeignFile, read, read_dataset
+    from celltrain.results.netcdf import ForeignFile, read_as, read_dataset
 
-    kind = str(read_dataset(path).attrs["kind"])
+    data = read_dataset(path)
+    kind = str(data.attrs["kind"])
     if kind not in kinds():
         raise ForeignFile(
             f"{str(path)!r} holds a result of the kind {kind!r}; known are: {', '.join(kinds())}"
         )
-    return read(path, presentation(kind).result)
+    return read_as(presentation(kind).result, data, path)
 
 
 def show(result: Record, console: Console | None = None) -> None:

@@ -47,7 +47,7 @@ def draw_spectrum(result: Stability, path: Path) -> Path:
     whole.margins(0.04)
     whole.autoscale_view()
 
-    left, right, top = _close_view(growth, frequency, neutral)
+    left, right, top = close_view(growth, frequency, neutral)
     close.set_xlim(left, right)
     close.set_ylim(-top, top)
     close.axvspan(0.0, right, color="#D55E00", alpha=0.07, linewidth=0, zorder=0)
@@ -92,7 +92,8 @@ def draw_spectrum(result: Stability, path: Path) -> Path:
     return path
 
 
-def _color(number: int) -> str:
+def number_color(number: int) -> str:
+    """The colour of an azimuthal number."""
     return COLORS[number] if number < len(COLORS) else OTHERS
 
 
@@ -113,8 +114,8 @@ def _scatter(
                 np.tile(growth[chosen], 2),
                 np.concatenate([frequency[chosen], -frequency[chosen]]),
                 s=30 if hollow else 15,
-                facecolors="none" if hollow else _color(m),
-                edgecolors=_color(m) if hollow else "white",
+                facecolors="none" if hollow else number_color(m),
+                edgecolors=number_color(m) if hollow else "white",
                 linewidths=1.1 if hollow else 0.25,
                 zorder=(4 if hollow else 3) - 0.05 * m,
             )
@@ -134,7 +135,7 @@ def _legend(
     handles: list[Artist] = []
     labels = []
     for m in (m for m in present if m < len(COLORS)):
-        handles.append(dot(_color(m), _color(m)))
+        handles.append(dot(number_color(m), number_color(m)))
         labels.append(f"$m$ = {m}")
     if present and present[-1] >= len(COLORS):
         handles.append(dot(OTHERS, OTHERS))
@@ -145,12 +146,12 @@ def _legend(
     return handles, labels
 
 
-def _close_view(
+def close_view(
     growth: Float[np.ndarray, "mode"],
     frequency: Float[np.ndarray, "mode"],
     neutral: Bool[np.ndarray, "mode"],
 ) -> tuple[float, float, float]:
-    """Left and right growth rate and largest frequency of the close view."""
+    """Left and right growth rate and largest frequency of a view of the leading modes."""
     leading = np.argsort(-np.where(neutral, -np.inf, growth), kind="stable")
     leading = leading[: min(NEAREST, int((~neutral).sum()))]
     if leading.size == 0:

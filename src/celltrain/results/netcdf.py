@@ -110,7 +110,15 @@ def read(path: str | Path, kind: type[Result]) -> Result:
         OSError: if the file cannot be read, or is of another version that this one cannot read.
         ForeignFile: if it holds no such result.
     """
-    data = read_dataset(path)
+    return read_as(kind, read_dataset(path), path)
+
+
+def read_as(kind: type[Result], data: xr.Dataset, path: str | Path) -> Result:
+    """A result of a known kind from what a file holds; `path` is told where it fails.
+
+    Raises:
+        OSError, ForeignFile: as `read`.
+    """
     try:
         return from_dataset(kind, data)
     except (OSError, ForeignFile) as error:

@@ -139,6 +139,7 @@ def infinite_train(
     norm: Norm | None = None,
     accuracy: float = ACCURACY,
     estimate_error: bool = True,
+    search: bool = True,
     progress: Progress | None = None,
     iteration: IterationProgress | None = None,
     tell: Tell | None = None,
@@ -157,6 +158,7 @@ def infinite_train(
     - `norm`: of eta_m(q); that of the paper, Eq. (8), if not given.
     - `start`, `accuracy`, `estimate_error`, `iteration`, `tell`: as for `stability`; the error is
       that of the largest growth rate at the phases looked at.
+    - `search`: for the most unstable wave between the phases, too; otherwise it is one of theirs.
     - `progress`: called with (azimuthal numbers done, all).
 
     **Returns:** an `InfiniteTrain`.
@@ -198,7 +200,9 @@ def infinite_train(
         )
         for m, gram in norm.grams(base.coefficients, numbers).items()
     }
-    best = _most_unstable(dynamics, samples, leading)
+    best = max((mode for each in leading.values() for mode in each), key=lambda w: w.growth_rate)
+    if search:
+        best = _most_unstable(dynamics, samples, leading, best)
     return InfiniteTrain(
         base=base,
         norm=norm.name,
@@ -261,7 +265,10 @@ def _leading(base: Base, m: int, q: float, block: Complex[np.ndarray, "size size
 
 
 def _most_unstable(
-    dynamics: LinearDynamics, samples: Phases, leading: dict[int, tuple[WaveMode, ...]]
+    dynamics: LinearDynamics,
+    samples: Phases,
+    leading: dict[int, tuple[WaveMode, ...]],
+    best: WaveMode,
 ) -> WaveMode:
     """The fastest growing mode of all phases, by a search about the best samples."""
     peaks = []
@@ -273,7 +280,6 @@ def _most_unstable(
             for i in range(len(rates))
             if padded[i] <= rates[i] >= padded[i + 2] and len(rates) > 1
         ]
-    best = max((mode for each in leading.values() for mode in each), key=lambda w: w.growth_rate)
     for _, m, place in sorted(peaks, reverse=True)[:MOST_PEAKS]:
         low = max(float(samples[max(place - 1, 0)]), SMALLEST)
         high = float(samples[min(place + 1, len(samples) - 1)])

@@ -1,0 +1,47 @@
+"""The command that makes a page of one file: ``celltrain page``."""
+
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.console import Console
+
+from celltrain.cli.arguments import Quiet
+from celltrain.cli.compute import read_result
+from celltrain.cli.keeping import Keeper
+from celltrain.cli.outputs import check_output
+from celltrain.cli.progress import Reporter
+from celltrain.parameters import CaseError
+
+ResultFile = Annotated[
+    Path,
+    Parameter(
+        help="netCDF file of a result or of a simulation, also of one that is under way (.nc)."
+    ),
+]
+PageFile = Annotated[
+    Path | None,
+    Parameter(
+        name=("--output", "-o"),
+        help="The page, replaced if it exists; beside the file and named as it unless given.",
+    ),
+]
+
+
+def page(result: ResultFile, /, *, output: PageFile = None, quiet: Quiet = False) -> int:
+    """Write a result as one page that opens in any browser, without Python or a network."""
+    if find_spec("plotly") is None:
+        raise CaseError("`celltrain page` needs Plotly: pip install 'celltrain[explore]'")
+    path = result.with_suffix(".html") if output is None else output
+    check_output(path)
+    content = read_result(result, "file")
+    errors = Console(stderr=True)
+    with Reporter(errors, quiet=quiet) as reporter:
+        reporter.log(f"page of a result of the kind {content.kind}")
+        from celltrain.explore.page import page_of
+
+        text = page_of(content, name=result.name)
+    keeper = Keeper(errors, quiet=quiet, listed=True)
+    keeper.text(path, text)
+    return keeper.status

@@ -1,0 +1,160 @@
+"""The parts of the explorer's page, in Dash's terms; the scripts fill in controls and stage."""
+
+from typing import Any
+
+from dash import dcc, html
+
+from celltrain.explore.figures import figure
+from celltrain.explore.maps import shown_numbers
+from celltrain.explore.opened import Opened
+from celltrain.pictures.spectrum import COLORS
+from celltrain.results.version import version
+
+#: How all figures behave.
+CONFIG: Any = {
+    "displaylogo": False,
+    "displayModeBar": False,
+    "responsive": True,
+    "doubleClick": "reset",
+}
+_MARKS = ("●", "◆", "■", "▲")
+
+
+def page(opened: Opened) -> Any:
+    """The whole page of what was opened."""
+    return html.Div(
+        [
+            *(dcc.Store(id=name) for name in ("change", "shown", "asked-mode", "mode", "curves")),
+            dcc.Store(id="page"),
+            dcc.Store(id="has-film", data=opened.run is not None),
+            html.Div(id="nowhere", hidden=True),
+            html.Header(
+                [
+                    html.H1("celltrain"),
+                    html.P(id="title", className="case"),
+                    html.Span(
+                        "loading", id="status", className="status", role="status", **_live("polite")
+                    ),
+                ]
+            ),
+            html.Div([_side(opened), html.Main(_main(opened))], className="columns"),
+        ],
+        className="explorer",
+    )
+
+
+def _side(opened: Opened) -> Any:
+    return html.Aside(
+        [
+            html.Div(id="controls"),
+            html.Div(
+                [
+                    html.A("Save case", id="save-case", href="#", download="celltrain.toml"),
+                    html.A("Save result", id="save-result", href="#", download="celltrain.nc"),
+                ],
+                className="buttons",
+            ),
+            html.P(
+                [f"celltrain {version()}", *([f" · {opened.name}"] if opened.name else [])],
+                className="version",
+            ),
+        ],
+        **_named("Parameters of the train"),
+    )
+
+
+def _main(opened: Opened) -> list[Any]:
+    parts: list[Any] = [
+        html.Div(id="message", className="message", role="alert", hidden=True),
+    ]
+    if opened.study is not None:
+        names = shown_numbers(opened.study)
+        parts.append(
+            html.Section(
+                [
+                    html.Div(
+                        [
+                            html.H2("Study"),
+                            html.Span(
+                                "white line: 0; click a point to open its train", className="note"
+                            ),
+                            dcc.RadioItems(
+                                [{"label": words, "value": name} for name, words in names.items()],
+                                next(iter(names)),
+                                id="map-number",
+                                className="choice",
+                                inline=True,
+                            ),
+                        ],
+                        className="heading",
+                    ),
+                    _graph("map", "map"),
+                ],
+                className="panel",
+            )
+        )
+    parts.append(
+        html.Section(
+            [
+                html.P(id="headline", className="headline"),
+                html.Div(id="cards", className="cards"),
+                html.Div(id="player", className="player"),
+            ],
+            className="panel",
+        )
+    )
+    if opened.run is not None:
+        parts.append(
+            _panel("Growth of the disturbance, beside the linear theory", "simulation", "wide")
+        )
+    parts += [
+        legend(),
+        html.Div(
+            [
+                _panel("Spectrum", "spectrum-all", note="all modes"),
+                _panel(
+                    "Near the imaginary axis",
+                    "spectrum-close",
+                    note="click a point to play its mode",
+                ),
+                _panel("Waves of an infinite train", "dispersion", note="★ most unstable"),
+                _panel("Growth of disturbances", "growth", note="– – eᵅᵗ, ··· eᵑᵗ"),
+            ],
+            className="figures",
+        ),
+        html.Details(
+            [html.Summary("All numbers"), html.Table(id="numbers")], className="panel", open=True
+        ),
+    ]
+    return parts
+
+
+def legend() -> Any:
+    """What the colours of azimuthal numbers are; the same in all figures."""
+    parts = [
+        html.Span([html.Span(mark, style={"color": color}), f" m = {m}"])
+        for m, (mark, color) in enumerate(zip(_MARKS, COLORS, strict=True))
+    ]
+    others = html.Span([html.Span("●", className="others"), " m ≥ 4"])
+    hollow = html.Span([html.Span("○"), " neutral"])
+    return html.P([*parts, others, hollow], className="legend")
+
+
+def _panel(title: str, name: str, kind: str = "", *, note: str = "") -> Any:
+    heading = html.Div([html.H2(title), html.Span(note, className="note")], className="heading")
+    return html.Section([heading, _graph(name, kind)], className="panel")
+
+
+def _graph(name: str, kind: str) -> Any:
+    graph = dcc.Graph(
+        id=name, figure=figure([]), config=CONFIG, responsive=True, style={"height": "100%"}
+    )
+    return html.Div(graph, className=f"graph {kind}".strip())
+
+
+def _named(words: str) -> Any:
+    return {"aria-label": words}
+
+
+def _live(how: str) -> Any:
+    return {"aria-live": how}

@@ -1,0 +1,208 @@
+"""A study in the browser: its map or curves, and the train under each point."""
+
+import tomllib
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from celltrain.explore.figures import BLUE, INK, QUIET, VERMILION, Figure, axis, figure
+from celltrain.parameters import CaseError, Scales, Train, merge_case
+from celltrain.parameters.routing import DIMENSIONS
+from celltrain.pictures.spectrum import COLORS
+from celltrain.study import StudyResult
+
+#: What a map may show: name in the study, and how it is called.
+SHOWN = {
+    "spectral_abscissa": "growth rate α (U/r₀)",
+    "numerical_abscissa": "initial growth rate η (U/r₀)",
+    "gap": "gap between cells (r₀)",
+    "effective_viscosity": "effective viscosity (µ)",
+    "cell_velocity": "velocity of the cells (U)",
+}
+
+
+def shown_numbers(study: StudyResult) -> dict[str, str]:
+    """What can be shown of a study."""
+    data = study.data
+    return {
+        name: words
+        for name, words in SHOWN.items()
+        if name in data and bool(np.isfinite(data[name]).any())
+    }
+
+
+def study_figure(study: StudyResult, name: str) -> Figure:
+    """A number of a study over its axes: a map of the last two of them, or curves over one.
+
+    Each point carries the place of its case; what further axes there are is at its first value.
+    """
+    values = study.data[name]
+    dims = [str(each) for each in values.dims]
+    fixed = dict.fromkeys(dims[:-2], 0)
+    values = values.isel(fixed)
+    label = SHOWN[name]
+    if values.ndim == 1:
+        return _curve(values, label)
+    up, right = (str(each) for each in values.dims)
+    x, y = _numbers(values[right]), _numbers(values[up])
+    places = [[f"{row},{column}" for column in range(len(x))] for row in range(len(y))]
+    grid = [[None if not np.isfinite(each) else float(each) for each in row] for row in values]
+    return figure(
+        [
+            {
+                "type": "heatmap",
+                "x": x,
+                "y": y,
+                "z": grid,
+                "zsmooth": "best" if min(values.shape) > 3 else False,
+                "colorscale": "Viridis",
+                "colorbar": {
+                    "title": {"text": label, "side": "right", "font": {"size": 12}},
+                    "thickness": 12,
+                    "outlinewidth": 0,
+                    "tickfont": {"size": 11, "color": QUIET},
+                },
+                "hoverinfo": "skip",
+            },
+            {
+                "type": "contour",
+                "x": x,
+                "y": y,
+                "z": grid,
+                "contours": {"coloring": "none", "start": 0, "end": 0, "size": 1},
+                "line": {"color": "#ffffff", "width": 2.5},
+                "showscale": False,
+                "hoverinfo": "skip",
+            },
+            *_cases(values, x, y, places, label),
+            _chosen(),
+        ],
+        xaxis=axis(_words(values[right])),
+        yaxis=axis(_words(values[up])),
+    )
+
+
+def first_place(study: StudyResult) -> str:
+    """The place of the first case that has a steady train; of the first one if none has."""
+    found = np.argwhere(np.isfinite(study.data["spectral_abscissa"].values))
+    shape = study.data["spectral_abscissa"].shape
+    return ",".join(str(each) for each in (found[0] if len(found) else [0] * len(shape)))
+
+
+def train_at(study: StudyResult, place: str) -> Train:
+    """The train of a case of a study, by its place in the figure.
+
+    Raises:
+        CaseError: for a place that is not in the study.
+    """
+    data = study.data
+    dims = [str(each) for each in data["status"].dims]
+    try:
+        numbers = [int(each) for each in place.split(",")]
+        index = [0] * (len(dims) - len(numbers)) + numbers
+        case = data.isel(dict(zip(dims, index, strict=True)))
+    except (ValueError, IndexError):
+        raise CaseError(f"place = {place!r} is not allowed; allowed: a point of the map") from None
+    train = merge_case(tomllib.loads(str(data.attrs["case"])), {"unusual": True})
+    plain: dict[str, Any] = {}
+    si: dict[str, Any] = {}
+    for name in dims:
+        value = case[name].item()
+        in_si = data[name].attrs.get("units") not in ("1", _unit(name))
+        kept = int(value) if name == "cells" or name.endswith(("degree", "_order")) else value
+        (si if in_si or name in Scales.model_fields else plain)[name] = kept
+    if plain:
+        train = train.changed(**plain)
+    if si:
+        train = merge_case(train.leaves("SI"), {**si, "units": "SI", "unusual": True})
+    return train
+
+
+def ring_at(study: StudyResult, place: str) -> dict[str, list[Any]]:
+    """Where the ring stands around a case of a study's figure.
+
+    Of curves over one axis the ring needs the number that is shown, and there is none.
+    """
+    dims = [str(each) for each in study.data["status"].dims]
+    numbers = [int(each) for each in place.split(",")]
+    if len(numbers) < 2:
+        return {"x": [], "y": []}
+    up, right = (study.data[name] for name in dims[-2:])
+    return {"x": [_numbers(right)[numbers[-1]]], "y": [_numbers(up)[numbers[-2]]]}
+
+
+def _cases(
+    values: xr.DataArray, x: list[float], y: list[float], places: list[list[str]], label: str
+) -> list[dict[str, Any]]:
+    """A dot for each case with a number, a cross for each without; they can be clicked."""
+    traces = []
+    for known, symbol, size, color in (
+        (True, "circle", 7, "rgba(255,255,255,0.85)"),
+        (False, "x", 8, VERMILION),
+    ):
+        chosen = [
+            (x[column], y[row], places[row][column], float(values[row, column]))
+            for row in range(len(y))
+            for column in range(len(x))
+            if bool(np.isfinite(values[row, column])) == known
+        ]
+        if not chosen:
+            continue
+        traces.append(
+            {
+                "type": "scatter",
+                "mode": "markers",
+                "x": [each[0] for each in chosen],
+                "y": [each[1] for each in chosen],
+                "customdata": [each[2] for each in chosen],
+                "text": [f"{each[3]:.4g}" if known else "no steady train" for each in chosen],
+                "marker": {
+                    "symbol": symbol,
+                    "size": size,
+                    "color": color,
+                    "line": {"color": INK, "width": 0.8},
+                },
+                "hovertemplate": f"(%{{x:.4g}}, %{{y:.4g}})<br>{label}: %{{text}}<br>click: open"
+                " this train<extra></extra>",
+            }
+        )
+    return traces
+
+
+def _curve(values: xr.DataArray, label: str) -> Figure:
+    [name] = (str(each) for each in values.dims)
+    x = _numbers(values[name])
+    trace = {
+        "type": "scatter",
+        "mode": "lines+markers",
+        "x": x,
+        "y": [None if not np.isfinite(each) else float(each) for each in values],
+        "customdata": [str(place) for place in range(len(x))],
+        "line": {"color": COLORS[0], "width": 1.8},
+        "marker": {"color": BLUE, "size": 8},
+        "hovertemplate": f"%{{x:.4g}}: {label} %{{y:.4g}}<br>click: open this train<extra></extra>",
+    }
+    return figure([trace, _chosen()], xaxis=axis(_words(values[name])), yaxis=axis(label))
+
+
+def _chosen() -> dict[str, Any]:
+    """A ring around the case that is shown; last of all traces."""
+    look = {"symbol": "circle-open", "size": 17, "color": "#ffffff", "line": {"width": 3}}
+    empty: dict[str, Any] = {"type": "scatter", "mode": "markers", "x": [], "y": []}
+    return {**empty, "marker": look, "hoverinfo": "skip"}
+
+
+def _numbers(axis: xr.DataArray) -> list[Any]:
+    values = axis.values
+    return [each if isinstance(each, str) else float(each) for each in values.tolist()]
+
+
+def _words(axis: xr.DataArray) -> str:
+    name, unit = str(axis.name), axis.attrs.get("units", "1")
+    words = name.replace("_", " ")
+    return words if unit == "1" else f"{words} ({unit.replace('r0', 'r₀')})"
+
+
+def _unit(name: str) -> str | None:
+    return DIMENSIONS[name].unit if name in DIMENSIONS else None
