@@ -8,6 +8,11 @@ STAMP  := $(VENV)/.installed
 # The oldest Python supported makes the lock file, so that the versions in it serve all.
 LOCK_PYTHON ?= python3.11
 LOCK_VENV   := .venv-lock
+# UPGRADE= keeps the versions that are locked, and adds what is missing.
+UPGRADE     ?= --upgrade
+COMPILE     = CUSTOM_COMPILE_COMMAND="make lock" $(LOCK_VENV)/bin/pip-compile --quiet $(UPGRADE) \
+    --strip-extras --no-emit-index-url --no-emit-trusted-host --no-emit-find-links \
+    --pip-args='--only-binary :all:'
 
 .PHONY: demo test check benchmark documentation validation lock clean
 
@@ -42,10 +47,10 @@ $(STAMP): requirements.lock pyproject.toml
 lock:
 	$(LOCK_PYTHON) -m venv $(LOCK_VENV)
 	$(LOCK_VENV)/bin/python -m pip install --quiet 'pip-tools>=7.5'
-	CUSTOM_COMPILE_COMMAND="make lock" $(LOCK_VENV)/bin/pip-compile --quiet --upgrade \
-	    --extra dev --extra studies --strip-extras --no-emit-index-url --no-emit-trusted-host \
-	    --no-emit-find-links --pip-args='--only-binary :all:' \
+	$(COMPILE) --extra dev --extra simulations --extra studies \
 	    --output-file requirements.lock pyproject.toml
+	$(COMPILE) --extra docs --constraint requirements.lock \
+	    --output-file docs/requirements.lock pyproject.toml
 
 clean:
 	rm -rf $(VENV) $(LOCK_VENV) out build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -13,6 +13,7 @@ SOURCE = Path(celltrain.__file__).parent
 ROOMS = (
     "xla_flags",
     "environment",
+    "extras",
     "clock",
     "interruption",
     "runtime",

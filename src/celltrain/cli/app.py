@@ -19,6 +19,7 @@ from celltrain.cli.failure import CommandFailed, reason
 from celltrain.contract.catalogue import first_lines
 from celltrain.contract.status import ExitStatus
 from celltrain.environment import UnsuitableSetting
+from celltrain.extras import MissingExtra
 from celltrain.parameters import CaseError
 
 #: Commands that are no analyses: function, and the first line of that function's docstring.
@@ -84,6 +85,13 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return error.status
     except UnsuitableSetting as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
+        return ExitStatus.BAD_INPUT
+    except ImportError as error:
+        # A command's own import arrives wrapped.
+        missing = error if isinstance(error, MissingExtra) else error.__cause__
+        if not isinstance(missing, MissingExtra):
+            raise
+        errors.print(f"celltrain: {missing}", markup=False, highlight=False, soft_wrap=True)
         return ExitStatus.BAD_INPUT
     except OSError as error:
         words = f"{error.filename or 'standard output'} cannot be used: {reason(error)}"

@@ -1,5 +1,10 @@
 """Direct numerical simulation: how a disturbed train evolves."""
 
+from celltrain.extras import check_installed
+
+check_installed("simulations")
+
+# ruff: noqa: E402
 from celltrain.evolution.disturbances import (
     Disturbance,
     FastestAtFirst,
