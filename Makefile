@@ -30,9 +30,10 @@ check: $(STAMP)
 benchmark: $(STAMP)
 	$(BIN)/python benchmarks/run.py
 
-# docs/diagnostics.md, from the analyses themselves.
+# docs/diagnostics.md from the analyses themselves, docs/bibliography.md from the sources.
 documentation: $(STAMP)
 	$(BIN)/python -m celltrain.contract.documentation > docs/diagnostics.md
+	$(BIN)/python -m celltrain.citation.page > docs/bibliography.md
 
 validation: $(STAMP)
 	$(BIN)/python validation/run.py

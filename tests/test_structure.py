@@ -33,6 +33,7 @@ ROOMS = (
     "diagnostics",
     "results",
     "contract",
+    "citation",
     "evolution",
     "study",
     "pictures",

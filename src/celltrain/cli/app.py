@@ -28,6 +28,10 @@ OTHERS = {
         "case:case",
         "Print the complete case as TOML, dimensionless: what a computation would use.",
     ),
+    "cite": (
+        "cite:cite",
+        "Print what to cite as BibTeX: package and paper, and what a result's methods rest on.",
+    ),
     "evolve": (
         "evolve:evolve",
         "Simulate a disturbed train; its file can be read meanwhile, a killed simulation resumed.",
