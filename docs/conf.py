@@ -24,7 +24,14 @@ extensions = [
     "generated",
     "links",
 ]
-exclude_patterns = ["_site", "extensions", "requirements.lock", "validation/data", "tutorials/run"]
+exclude_patterns = [
+    "_site",
+    "jupyter_execute",
+    "extensions",
+    "requirements.lock",
+    "validation/data",
+    "tutorials/run",
+]
 
 # Every page is Markdown that a code host shows, too.
 myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath", "deflist"]
@@ -33,12 +40,14 @@ myst_dmath_double_inline = True
 
 # Pages with code cells are run each time; a cell that fails fails the build.
 nb_execution_mode = "force"
+nb_execution_in_temp = True
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_merge_streams = True
 # Commands of the tutorials are those of this environment, and their tables are not broken.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+os.environ["CELLTRAIN_DOCS"] = str(HERE)
 os.environ.update(COLUMNS="100", NO_COLOR="1", TERM="dumb", PYDEVD_DISABLE_FILE_VALIDATION="1")
 
 numfig = True

@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 CASE = ["--diameter", "6", "--packing", "0.2", "--cells", "8", "--degree", "12"]
-# What the documentation states of this case (README, "Numbers").
+# What the documentation states of this case (docs/numbers.md).
 EXPECTED = {"cell_velocity": (1.771955, 1e-6), "spectral_abscissa": (0.011784, 1e-6)}
 EXTRA = "python -m pip install 'celltrain[simulations]'"
 
