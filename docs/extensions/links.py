@@ -41,7 +41,7 @@ def rewrite(app: Any, page: str, source: list[str]) -> None:
             name = text.strip("`")
             if re.fullmatch(r"[A-Za-z_][\w.]*", name) and text.startswith("`"):
                 return f"[{text}](#{module}.{name})"
-            return f"[{text}](#module-{module})"
+            return f"[{text}](#{module})"
         return text
 
     source[0] = LINK.sub(changed, source[0])
