@@ -31,7 +31,7 @@ check: $(STAMP)
 
 # The site, in docs/_site; a broken link, a warning or a cell that fails is an error.
 docs: $(DOCS_STAMP)
-	$(BIN)/python -m sphinx -q -W --keep-going -b html docs docs/_site
+	$(BIN)/python -m sphinx -q -W --keep-going -j 2 -b html docs docs/_site
 	@echo docs/_site/index.html
 
 # For other Pythons: make wheel-test PYTHONS="python3.12 python3.13"

@@ -18,9 +18,9 @@ release = version = celltrain.__version__
 extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
-    "sphinx.ext.mathjax",
     "sphinx_copybutton",
     "docstrings",
+    "formulas",
     "generated",
     "links",
 ]
@@ -48,9 +48,9 @@ nb_merge_streams = True
 # Commands of the tutorials are those of this environment, and their tables are not broken.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ["CELLTRAIN_DOCS"] = str(HERE)
-os.environ.update(COLUMNS="100", NO_COLOR="1", TERM="dumb", PYDEVD_DISABLE_FILE_VALIDATION="1")
+os.environ.update(COLUMNS="80", NO_COLOR="1", TERM="dumb", PYDEVD_DISABLE_FILE_VALIDATION="1")
 
-numfig = True
+html_math_renderer = "mathml"
 math_number_all = False
 math_eqref_format = "({number})"
 
@@ -61,7 +61,7 @@ python_maximum_signature_line_length = 88
 default_role = "code"
 
 # Which of two modules' types of one name a signature means is not said there.
-suppress_warnings = ["ref.python"]
+suppress_warnings = ["ref.python", "toc.empty_glob"]
 # Types of other libraries have no page here, and none is fetched.
 nitpicky = True
 nitpick_ignore_regex = [("py:.*", r".*")]

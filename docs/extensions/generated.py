@@ -179,6 +179,8 @@ def _row(value: object, name: str) -> str:
         home = type(value).__module__
         shown = f"[`{name}`](#{home}.{type(value).__name__})"
     words = (getattr(value, "__doc__", "") or "").strip().splitlines()
+    if isinstance(value, str | int | float | tuple) and shown[0] != "[" and len(repr(value)) < 70:
+        return f"| {shown} | `{value!r}` |"
     said = words[0].replace("|", "\\|") if words and (named or shown[0] == "[") else ""
     return f"| {shown} | {said} |"
 
