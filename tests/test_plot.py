@@ -9,7 +9,6 @@ from PIL import Image
 
 from celltrain import Base, Run, save
 from celltrain.cli import main
-from celltrain.cli import plot as plot_command
 from celltrain.contract import draw_all
 from celltrain.diagnostics import frame
 from celltrain.evolution import Ending, ForwardEuler, Repulsion
@@ -89,7 +88,7 @@ def test_the_command_draws_a_simulation_under_way(
         progress(3, 3)
         return np.zeros_like(run.shapes)
 
-    monkeypatch.setattr(plot_command, "frame_rates", rates)
+    monkeypatch.setattr("celltrain.evolution.record.recompute.frame_rates", rates)
     monkeypatch.setattr(run_pictures, "MOST_FILM_FRAMES", 2)
     folder, film, frames = tmp_path / "new" / "folder", tmp_path / "film.gif", tmp_path / "view"
     # Pictures are drawn again while it runs: old ones are replaced.

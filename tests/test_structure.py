@@ -13,6 +13,7 @@ SOURCE = Path(celltrain.__file__).parent
 ROOMS = (
     "xla_flags",
     "environment",
+    "extras",
     "clock",
     "interruption",
     "runtime",
@@ -33,6 +34,7 @@ ROOMS = (
     "diagnostics",
     "results",
     "contract",
+    "citation",
     "evolution",
     "study",
     "pictures",

@@ -187,7 +187,7 @@ def test_without_dask_a_message_says_what_to_install(
     monkeypatch.chdir(tmp_path)
     find = importlib.util.find_spec
     monkeypatch.setattr(
-        "celltrain.study.workers.find_spec",
+        "celltrain.extras.find_spec",
         lambda name: None if name == "distributed" else find(name),
     )
     assert main(["sweep", str(study)]) == 2

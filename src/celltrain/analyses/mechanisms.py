@@ -8,6 +8,8 @@ from rich.console import Console
 from celltrain.contract import Draw, OfStability, Progress
 from celltrain.contract.tables import case_line, rate, titled
 from celltrain.diagnostics import Mechanisms, mechanisms
+from celltrain.extras import check_installed
+from celltrain.parameters import Train
 from celltrain.stability import Stability
 
 
@@ -16,6 +18,16 @@ class DisturbanceMechanisms(OfStability[Mechanisms]):
     """Compute how the leading modes turn, strain and deform the cells (Eqs. 16 to 24)."""
 
     result = Mechanisms
+
+    def check(self, train: Train) -> None:
+        """Look at case and settings before anything is computed.
+
+        Raises:
+            CaseError: for what is not allowed.
+            MissingExtra: without the extra `simulations`.
+        """
+        check_installed("simulations")
+        super().check(train)
 
     def of(self, dynamics: Stability, progress: Progress) -> Mechanisms:
         """Turning, strain and deformation."""

@@ -9,6 +9,7 @@ from rich.console import Console
 from celltrain.contract import Analysis, Draw, Progress
 from celltrain.contract.tables import case_line, quantities_table
 from celltrain.diagnostics import MeridionalFlow, Recirculation, meridional_flow, recirculation
+from celltrain.extras import check_installed
 from celltrain.parameters import Train
 from celltrain.quantities import Record
 from celltrain.steady import Base, steady
@@ -31,6 +32,14 @@ class FlowAroundCells(Analysis[FlowInCellFrame]):
     """Compute the flow around the cells, and what turns back between them (Fig. 7)."""
 
     result = FlowInCellFrame
+
+    def check(self, train: Train) -> None:
+        """Look at case and settings before anything is computed.
+
+        Raises:
+            MissingExtra: without the extra `simulations`.
+        """
+        check_installed("simulations")
 
     def compute(self, train: Train, start: Base | None, progress: Progress) -> FlowInCellFrame:
         """Compute the steady train and the flow.

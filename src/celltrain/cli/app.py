@@ -19,6 +19,7 @@ from celltrain.cli.failure import CommandFailed, reason
 from celltrain.contract.catalogue import first_lines
 from celltrain.contract.status import ExitStatus
 from celltrain.environment import UnsuitableSetting
+from celltrain.extras import MissingExtra
 from celltrain.parameters import CaseError
 
 #: Commands that are no analyses: function, and the first line of that function's docstring.
@@ -26,6 +27,10 @@ OTHERS = {
     "case": (
         "case:case",
         "Print the complete case as TOML, dimensionless: what a computation would use.",
+    ),
+    "cite": (
+        "cite:cite",
+        "Print what to cite as BibTeX: package and paper, and what a result's methods rest on.",
     ),
     "evolve": (
         "evolve:evolve",
@@ -92,6 +97,13 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return error.status
     except UnsuitableSetting as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
+        return ExitStatus.BAD_INPUT
+    except ImportError as error:
+        # A command's own import arrives wrapped.
+        missing = error if isinstance(error, MissingExtra) else error.__cause__
+        if not isinstance(missing, MissingExtra):
+            raise
+        errors.print(f"celltrain: {missing}", markup=False, highlight=False, soft_wrap=True)
         return ExitStatus.BAD_INPUT
     except OSError as error:
         words = f"{error.filename or 'standard output'} cannot be used: {reason(error)}"

@@ -2,7 +2,7 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 from cyclopts import Parameter
 from rich.console import Console
@@ -13,12 +13,11 @@ from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder, check_output
 from celltrain.cli.progress import Reporter
 from celltrain.contract.files import pictures
-from celltrain.evolution import Run
-from celltrain.evolution.record.recompute import frame_rates
 from celltrain.parameters import CaseError
 from celltrain.pictures.animation import film_writer
-from celltrain.pictures.paraview import export_paraview
-from celltrain.pictures.run import animate_run
+
+if TYPE_CHECKING:
+    from celltrain.evolution import Run
 
 ResultFile = Annotated[
     Path,
@@ -60,7 +59,8 @@ def plot(
 ) -> int:
     """Draw what a file holds: any result, a simulation, its film."""
     content = read_result(result, "file")
-    simulation = content if isinstance(content, Run) else None
+    # By its kind, since its class comes with JAX.
+    simulation = cast("Run", content) if content.kind == "simulation" else None
     for name, value in (("animation", animation), ("paraview", paraview)):
         if value is not None and simulation is None:
             raise CaseError(
@@ -95,13 +95,18 @@ def plot(
 
 
 def _film(
-    run: Run, animation: Path | None, paraview: Path | None, reporter: Reporter, keeper: Keeper
+    run: "Run", animation: Path | None, paraview: Path | None, reporter: Reporter, keeper: Keeper
 ) -> None:
     """What is made of a simulation only when it is asked for."""
     if animation is not None:
+        from celltrain.pictures.run import animate_run
+
         part = partial(reporter.part, "film")
         keeper.picture(animation, lambda path: animate_run(run, path, progress=part))
     if paraview is not None:
+        from celltrain.evolution.record.recompute import frame_rates
+        from celltrain.pictures.paraview import export_paraview
+
         rates = frame_rates(run, progress=partial(reporter.part, "velocities"))
         reporter.log("files for ParaView")
         keeper.file(

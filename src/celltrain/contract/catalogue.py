@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 #: Commands that are no analyses, after which none can be named.
-TAKEN = ("case", "evolve", "explore", "page", "paper", "plot", "show", "sweep")
+TAKEN = ("case", "cite", "evolve", "explore", "page", "paper", "plot", "show", "sweep")
 
 
 @cache

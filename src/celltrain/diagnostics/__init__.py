@@ -21,6 +21,7 @@ from celltrain.diagnostics.streamlines import (
     meridional_flow,
     recirculation,
 )
+from celltrain.extras import check_installed
 
 if TYPE_CHECKING:
     from celltrain.diagnostics.ellipsoid import Ellipsoid, best_ellipsoid
@@ -79,4 +80,5 @@ _OWNERS = {name: owner for owner, names in _LATER.items() for name in names}
 def __getattr__(name: str) -> object:
     if name not in _OWNERS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    check_installed("simulations")
     return getattr(import_module(f"{__name__}.{_OWNERS[name]}"), name)

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from celltrain.diagnostics.modes import mode_motion
 from celltrain.diagnostics.quantities import ENERGY_PARTS
 from celltrain.diagnostics.spectrum import deformation_spectrum
+from celltrain.extras import check_installed
 from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability import Mode, Stability, TransientMode
 from celltrain.steady import Base
@@ -93,7 +94,11 @@ def mechanisms(result: Stability) -> Mechanisms:
 
     The leading modes' turning; of the leading mode and of the disturbance that grows fastest at
     first also the strain energy by part and the spectrum over degrees.
+
+    Raises:
+        MissingExtra: without the extra `simulations`.
     """
+    check_installed("simulations")
     leading = [mode for mode in result.modes if not mode.neutral][:MODES]
     return Mechanisms(
         base=result.base,

@@ -1,5 +1,10 @@
 """Direct numerical simulation: how a disturbed train evolves, or any cells in any surroundings."""
 
+from celltrain.extras import check_installed
+
+check_installed("simulations")
+
+# ruff: noqa: E402
 from celltrain.evolution.cells import CellsInFlow, Snapshot, follow
 from celltrain.evolution.disturbances import (
     Disturbance,

@@ -118,7 +118,7 @@ def _main(opened: Opened) -> list[Any]:
                     note="click a point to play its mode",
                 ),
                 _panel("Waves of an infinite train", "dispersion", note="★ most unstable"),
-                _panel("Growth of disturbances", "growth", note="– – eᵅᵗ, ··· eᵑᵗ"),
+                _panel("Growth of disturbances", "growth", note="-- eᵅᵗ, ··· eᵑᵗ"),
             ],
             className="figures",
         ),

@@ -3,6 +3,11 @@
 Ewald sums, quadrature on surfaces, the wall, the flow rate.
 """
 
+from celltrain.extras import check_installed
+
+check_installed("simulations")
+
+# ruff: noqa: E402
 from celltrain.flow.ewald import EwaldSplit, ewald_split
 from celltrain.flow.own_surface import OwnSurfaceRule, own_surface_rule
 from celltrain.flow.sources import Sources

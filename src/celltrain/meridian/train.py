@@ -7,7 +7,8 @@ About it, with the force's change dF = -H_m dx of the members of azimuthal numbe
     A_m(q) = P [ U_G(-H_m) - U_D + dx . grad u ] - changes of the volume's direction,
 
 U_G the velocities of changed forces, U_D those of forces that move along with their surface, and
-grad u the gradient of the steady flow in which the targets move. On the cell's own surface the last
+grad u the gradient of the steady flow in which the targets move (the integral equations are in
+Pozrikidis 1992). On the cell's own surface the last
 two are weakly singular together: what the own kernel makes of constants is part of grad u.
 For m = 0
 

@@ -4,7 +4,7 @@ Left to the eigenvalue solver, volume and displacement form a Jordan block, whos
 into +-sqrt(error): 2e-4 where the matrix itself is good to 1e-8. Instead, the deflated dynamics is
 restricted to disturbances without volume (an invariant subspace, since n^H A' = 0) modulo r and t
 (A' r = A' t = 0): with Q an orthonormal basis of the complement of (n, r, t), the other eigenvalues
-are those of Q^H A Q.
+are those of Q^H A Q. Abscissas and their meaning: Trefethen & Embree (2005).
 """
 
 from dataclasses import dataclass

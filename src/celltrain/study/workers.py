@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.util import find_spec
 
 from celltrain.environment import ONE_THREAD
+from celltrain.extras import check_installed
 from celltrain.parameters import CaseError
 
 # Seconds to wait for a scheduler's answer.
@@ -32,9 +32,10 @@ def local_workers(count: int | None = None) -> Iterator[Workers]:
 
     Each may use its share of the machine's memory; one that takes more is ended and replaced.
 
-    **Raises:** `CaseError` if `count` is not allowed or dask.distributed is not installed.
+    **Raises:** `CaseError` if `count` is not allowed, `MissingExtra` if dask.distributed is not
+    installed.
     """
-    _check_installed()
+    check_installed("studies")
     if count is not None and count < 1:
         raise CaseError(f"workers = {count} is not allowed; allowed: a whole number >= 1")
     import dask
@@ -79,9 +80,10 @@ def local_workers(count: int | None = None) -> Iterator[Workers]:
 def scheduled_workers(address: str) -> Iterator[Workers]:
     """The workers of the dask scheduler at an address such as ``tcp://node1:8786``.
 
-    **Raises:** `CaseError` if it cannot be reached or dask.distributed is not installed.
+    **Raises:** `CaseError` if it cannot be reached, `MissingExtra` if dask.distributed is not
+    installed.
     """
-    _check_installed()
+    check_installed("studies")
     from distributed import Client
 
     try:
@@ -93,12 +95,4 @@ def scheduled_workers(address: str) -> Iterator[Workers]:
             client.get_executor(pure=False),
             lambda: sum(client.nthreads().values()),
             f"the workers of {address}",
-        )
-
-
-def _check_installed() -> None:
-    if find_spec("distributed") is None:
-        raise CaseError(
-            "studies need dask.distributed, which is not installed:"
-            " python -m pip install 'celltrain[studies]'"
         )

@@ -1,5 +1,10 @@
 """Trains of cells of any shape: from the shapes to the rates at which they change."""
 
+from celltrain.extras import check_installed
+
+check_installed("simulations")
+
+# ruff: noqa: E402
 from celltrain.train.accuracy import rates_error
 from celltrain.train.fluid_velocity import fluid_velocity
 from celltrain.train.operator import (

@@ -1,10 +1,10 @@
 """The short-range repulsion of membranes, by which a simulation goes on where films get thin.
 
-Red cells keep apart by the layer of sugars that they carry (the glycocalyx) and the film of plasma
-that it holds. Lubrication forces do the same in theory, but the velocity of a membrane has finitely
-many harmonics: below a gap of a few hundredths of r0 it cannot follow the film's flow, and
-membranes would pass through each other. The repulsion stands for what is not resolved. It has an
-energy for each area of a film of thickness d,
+Red cells keep apart by the layer of sugars that they carry (the glycocalyx; Neu & Meiselman 2002)
+and the film of plasma that it holds. Lubrication forces do the same in theory, but the velocity of
+a membrane has finitely many harmonics: below a gap of a few hundredths of r0 it cannot follow the
+film's flow, and membranes would pass through each other. The repulsion stands for what is not
+resolved. It has an energy for each area of a film of thickness d,
 
     phi(d) = S (1 - d/a)^3/(d/a)  for 0 < d < a,   0 for d >= a,   infinite for d <= 0,
 
