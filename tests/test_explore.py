@@ -326,7 +326,7 @@ def test_what_is_saved_is_what_the_command_line_reads(tmp_path: Path, coarse_bas
 def test_a_missing_extra_is_named(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("celltrain.cli.explore.find_spec", lambda name: None)
+    monkeypatch.setattr("celltrain.extras.find_spec", lambda name: None)
     assert main(["explore", "--no-browser"]) == 2
     [line] = capsys.readouterr().err.strip().splitlines()
     assert line.endswith("pip install 'celltrain[explore]'")

@@ -8,6 +8,7 @@ EXTRAS: dict[str, tuple[tuple[str, ...], str]] = {
         ("jax", "jaxlib", "jax_finufft", "equinox"),
         "simulations and velocities in the fluid need JAX, jax-finufft and Equinox",
     ),
+    "explore": (("dash", "plotly"), "the explorer and pages of results need Dash and Plotly"),
     "studies": (("distributed",), "studies need dask.distributed"),
 }
 

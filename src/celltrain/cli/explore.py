@@ -1,6 +1,5 @@
 """The command that opens the explorer: ``celltrain explore``."""
 
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +10,7 @@ from celltrain.cli.arguments import Quiet
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.options import reader
 from celltrain.cli.progress import Reporter
+from celltrain.extras import check_installed
 from celltrain.parameters import CaseError
 
 Opened = Annotated[
@@ -51,8 +51,7 @@ def explore(
     quiet: Quiet = False,
 ) -> int:
     """Open a train in the browser: sliders, the cells in three dimensions, spectrum and modes."""
-    if find_spec("dash") is None:
-        raise CaseError("`celltrain explore` needs Dash: pip install 'celltrain[explore]'")
+    check_installed("explore")
     if port is not None and not 0 <= port <= 65535:
         raise CaseError(f"port = {port} is not allowed; allowed: a whole number from 0 to 65535")
     if token == "":

@@ -1,6 +1,5 @@
 """The command that makes a page of one file: ``celltrain page``."""
 
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +11,7 @@ from celltrain.cli.compute import read_result
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_output
 from celltrain.cli.progress import Reporter
-from celltrain.parameters import CaseError
+from celltrain.extras import check_installed
 
 ResultFile = Annotated[
     Path,
@@ -31,8 +30,7 @@ PageFile = Annotated[
 
 def page(result: ResultFile, /, *, output: PageFile = None, quiet: Quiet = False) -> int:
     """Write a result as one page that opens in any browser, without Python or a network."""
-    if find_spec("plotly") is None:
-        raise CaseError("`celltrain page` needs Plotly: pip install 'celltrain[explore]'")
+    check_installed("explore")
     path = result.with_suffix(".html") if output is None else output
     check_output(path)
     content = read_result(result, "file")

@@ -6,9 +6,10 @@ parameter is known, and the total one, the part that stays when all others are, 
 
     S_i = <f(B) [f(A_i) - f(A)]>/V,    T_i = <[f(A) - f(A_i)]^2>/(2 V)
 
-(Sobol 2001; Saltelli et al. 2010, Table 2 (b) and (f), as in `scipy.stats.sobol_indices`, which wants numbers
-of points that failed trains do not leave). They assume nothing of f, so they hold where another
-mode takes the lead and f has a kink. Their sum over i is 1 where parameters act independently.
+(Sobol 2001; Saltelli et al. 2010, Table 2 (b) and (f), as in `scipy.stats.sobol_indices`, which
+wants numbers of points that failed trains do not leave). They assume nothing of f, so they hold
+where another mode takes the lead and f has a kink. Their sum over i is 1 where parameters act
+independently.
 
 Errors are those of resampling points with all their trains (Efron & Tibshirani 1993). Sobol's
 points are more even than independent ones, so that these errors are rather too large.
