@@ -1,5 +1,8 @@
 """What is asked of the numerical libraries, since some of their versions do not do it."""
 
+import re
+from pathlib import Path
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -22,6 +25,15 @@ def test_floats_have_64_bits() -> None:
 
 def test_that_version_is_not_installed() -> None:
     assert jax.__version__ != "0.10.2"
+
+
+@pytest.mark.parametrize("lock", ["requirements.lock", "docs/requirements.lock"])
+def test_locked_are_versions_and_no_places(lock: str) -> None:
+    lines = (Path(__file__).parents[1] / lock).read_text().splitlines()
+    wanted = [line for line in lines if line and not line.lstrip().startswith("#")]
+    assert len(wanted) > 20
+    for line in wanted:
+        assert re.fullmatch(r"[a-z0-9._-]+==[0-9][0-9a-z.+-]*( ; .*)?", line), line
 
 
 @pytest.mark.parametrize("rows", ROWS)
