@@ -19,7 +19,7 @@ from celltrain.explore.drawing import LEADING, mode_drawing, mode_key, train_dra
 from celltrain.explore.engine import Engine, Picture, Superseded
 from celltrain.explore.figures import dispersion_figure, growth_figure, spectrum_figures
 from celltrain.explore.film import packed, rounding_error, unpacked
-from celltrain.explore.maps import study_figure, train_at
+from celltrain.explore.maps import ring_at, study_figure, train_at
 from celltrain.explore.opened import Opened, opened
 from celltrain.explore.page import page_of
 from celltrain.explore.reading import Reading
@@ -249,11 +249,16 @@ def test_a_point_of_a_map_is_its_train(study: Study) -> None:
         assert train_at(result, place).leaves() == pytest.approx(case.train.leaves())
     with pytest.raises(CaseError, match="a point of the map"):
         train_at(result, "7,0")
+    with pytest.raises(CaseError, match="none of its cases has a steady train"):
+        page_of(result)
     result.data["spectral_abscissa"][:] = 0.01
     result.data["spectral_abscissa"][0, 1] = np.nan
     drawn = study_figure(result, "spectral_abscissa")
     places = [each for trace in drawn["data"] for each in trace.get("customdata", [])]
     assert sorted(places) == ["0,0", "0,1", "0,2", "1,0", "1,1", "1,2"]
+    ring = ring_at(result, "1,2")
+    assert (ring["x"], ring["y"]) == ([0.4], [17e-6])
+    assert "page-data" in page_of(result)
     json.dumps(drawn, allow_nan=False)
 
 

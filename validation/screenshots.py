@@ -115,7 +115,7 @@ def take(name: str, study: Path, simulation: Path, scratch: Path) -> None:
                 wait_for(browser, f"Boolean({PLAYER}.film)", "the film")
                 last = f"{PLAYER}.set({{frame: {PLAYER}.film.frames - 1}})"
                 browser.execute_script(last)
-            time.sleep(6.0)
+            wait_for(browser, "document.body.dataset.curves === 'converged'", "the curves")
             shoot(browser, name)
     finally:
         browser.quit()

@@ -135,6 +135,7 @@ def _add_scripts(app: Dash, opened: Opened) -> None:
 
     script("show", Input("shown", "data"), State("has-film", "data"))
     script("mode", Input("mode", "data"))
+    script("curves", Input("curves", "data"))
     script("clicked", *(Input(name, "clickData") for name in _SPECTRA))
     if opened.study is not None:
         script("clickedMap", Input("map", "clickData"))

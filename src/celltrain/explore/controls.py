@@ -134,9 +134,13 @@ def changed(train: Train, given: Mapping[str, object], units: Units) -> Train:
     """
     if units == "dimensionless":
         return train.changed(**given)
-    # Says what is wrong in the words of a case in SI.
-    both = {**train.leaves("SI"), **given, "units": "SI"}
-    merge_case({}, both)
+    # Says what is wrong in the words of a case in SI; what is unusual already may stay so.
+    before = {**train.leaves("SI"), "units": "SI"}
+    try:
+        merge_case({}, before)
+    except CaseError:
+        before["unusual"] = True
+    merge_case({}, {**before, **given})
     leaves = dict(given)
     scales = train.scales
     faster = leaves.pop("mean_velocity", None)

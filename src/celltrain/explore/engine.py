@@ -29,7 +29,7 @@ REST = 0.4
 #: Phases of the coarse curves, and the last time of G(t), r0/U.
 COARSE_PHASES, UNTIL = 7, 10.0
 # Steady trains to start from, and results that are kept for curves, modes and files.
-_BASES, _RESULTS = 32, 6
+_BASES, _RESULTS = 32, 3
 # Leaves by which trains are near or far, relative changes of all of them counting alike.
 _NEAR = ("diameter", "packing", "viscosity_ratio", "reduced_volume", *MODULI)
 

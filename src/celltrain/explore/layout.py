@@ -117,8 +117,10 @@ def _main(opened: Opened) -> list[Any]:
                     "spectrum-close",
                     note="click a point to play its mode",
                 ),
-                _panel("Waves of an infinite train", "dispersion", note="★ most unstable"),
-                _panel("Growth of disturbances", "growth", note="-- eᵅᵗ, ··· eᵑᵗ"),
+                _panel(
+                    "Waves of an infinite train", "dispersion", "curves", note="★ most unstable"
+                ),
+                _panel("Growth of disturbances", "growth", "curves", note="dashed eᵅᵗ, dotted eᵑᵗ"),
             ],
             className="figures",
         ),
@@ -141,7 +143,10 @@ def legend() -> Any:
 
 
 def _panel(title: str, name: str, kind: str = "", *, note: str = "") -> Any:
-    heading = html.Div([html.H2(title), html.Span(note, className="note")], className="heading")
+    parts = [html.H2(title), html.Span(note, className="note")]
+    if kind == "curves":
+        parts.append(html.Span(className="curves-stage"))
+    heading = html.Div(parts, className="heading")
     return html.Section([heading, _graph(name, kind)], className="panel")
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 from celltrain.contract import load, presentation
 from celltrain.explore.address import USUAL, View
-from celltrain.explore.maps import first_place, train_at
+from celltrain.explore.maps import first_place, shown_numbers, train_at
 from celltrain.parameters import CaseError, merge_case, read_case
 from celltrain.quantities import Record
 from celltrain.steady import Base
@@ -78,6 +78,10 @@ def _of_folder(path: Path) -> Opened:
 
 def _of_result(result: Record, path: Path) -> Opened:
     if isinstance(result, StudyResult):
+        if not shown_numbers(result):
+            raise CaseError(
+                f"{str(path)!r} cannot be explored: none of its cases has a steady train"
+            )
         return Opened(View(train_at(result, first_place(result))), path.name, study=result)
     base = presentation(result.kind).steady_train(result)
     run = cast("Run", result) if result.kind == "simulation" else None

@@ -31,9 +31,10 @@ from celltrain.explore.figures import (
     transient_curves,
     wave_figures,
 )
-from celltrain.explore.maps import SHOWN, shown_numbers, study_figure
+from celltrain.explore.maps import shown_numbers, study_figure
 from celltrain.explore.reading import Reading
 from celltrain.explore.report import headline, motion, rows, title
+from celltrain.parameters import CaseError
 from celltrain.pictures.spectrum import COLORS
 from celltrain.quantities import Record
 from celltrain.results.version import version
@@ -93,12 +94,13 @@ def _legend() -> str:
 def _content(result: Record) -> dict[str, Any]:
     """What a page holds of a result, whatever its kind."""
     if isinstance(result, StudyResult):
-        names = shown_numbers(result)
-        first = next(iter(names))
-        return {
-            "title": "Study",
-            "figures": {first: _titled(SHOWN[first], study_figure(result, first))},
+        drawn = {
+            name: _titled(words, study_figure(result, name), "white line: 0")
+            for name, words in shown_numbers(result).items()
         }
+        if not drawn:
+            raise CaseError("this study has no page: none of its cases has a steady train")
+        return {"title": result.data.attrs.get("title", "Study"), "figures": drawn}
     if result.kind == "simulation":
         return _of_simulation(result)
     if isinstance(result, TransientGrowth):

@@ -162,10 +162,11 @@ celltrain.explorer = {
     if (show === "film" && this.player.film) query.set("time", this.player.film.times[frame]);
     if (this.player.film && show !== "film") query.set("show", show);
     const address = `?${query.toString().replaceAll("%2C", ",")}`;
-    if (address === location.search) return;
     // Browsers refuse too many changes of the address in a short time.
     clearTimeout(this.addressing);
-    this.addressing = setTimeout(() => history.replaceState(null, "", address), 60);
+    if (address !== location.search) {
+      this.addressing = setTimeout(() => history.replaceState(null, "", address), 60);
+    }
     const film = document.querySelector("#simulation .js-plotly-plot");
     if (film && this.player.film && film.layout.shapes) this._timeLine(film, frame);
   },
@@ -312,6 +313,14 @@ window.dash_clientside.celltrain = {
   },
   mode(mode) {
     celltrain.explorer.showMode(mode);
+    return "";
+  },
+  curves(curves) {
+    if (!curves) return "";
+    for (const chip of document.querySelectorAll(".curves-stage")) {
+      chip.textContent = curves.converged ? "" : "coarse";
+    }
+    document.body.dataset.curves = curves.converged ? "converged" : "coarse";
     return "";
   },
   clicked(...clicks) {
