@@ -88,5 +88,5 @@ def test_fluid_of_a_steady_train(coarse_base: Base) -> None:
     assert np.abs(in_section[:, 2] - 2 * (1 - square)).max() > 0.01
     moved = fluid_velocity(base, points + np.array([0.0, 0.0, 2 * period]))
     assert_allclose(moved, found, rtol=0, atol=1e-10)
-    with pytest.raises(CaseError, match=r"distance 3.01 .* radius is 3"):
+    with pytest.raises(CaseError, match=r"0\.01 r0 beyond .* radius is 3"):
         fluid_velocity(base, np.array([[0.0, 3.01, 0.0]]))

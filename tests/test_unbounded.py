@@ -12,8 +12,10 @@ from numpy.testing import assert_allclose
 from celltrain.diagnostics import best_ellipsoid, cell_moments, stresslets
 from celltrain.evolution import CellsInFlow, Repulsion, RungeKuttaChebyshev, follow
 from celltrain.flow import Sources
-from celltrain.harmonics import real_harmonics, surface_points
+from celltrain.harmonics import UNIT_DISPLACEMENT, displaced, real_harmonics, surface_points
 from celltrain.parameters import CaseError, Cell, Resolution
+from celltrain.proximity.distances import cell_distance, wall_distance
+from celltrain.proximity.overlaps import overlaps
 from celltrain.surroundings import (
     FlowRules,
     RoundTube,
@@ -262,6 +264,28 @@ def test_two_cells_stay_each_others_image() -> None:
     )
     assert_allclose(there, here @ turn, rtol=0, atol=1e-6)
     assert last[0, 1, 0] > shapes[0, 1, 0]
+
+
+def test_a_capsule_in_a_tube_is_carried_along_its_axis() -> None:
+    """Beyond the end of the period, and slower than the fluid on the axis would be without it."""
+    tube = CellsInFlow(CAPSULE, RoundTube(1.7, 4.0), Resolution(degree=DEGREE, tolerance=1e-4))
+    shapes = tube.resting([(0.0, 0.0, 1.9)])
+    found = list(follow(tube, shapes, until=0.3, every=0.1))
+    heights = np.array([each.shapes[0, 2, 0] for each in found]) / UNIT_DISPLACEMENT
+    assert heights[-1] > 2.2
+    speeds = np.diff(heights) / 0.1
+    assert ((speeds > 1.2) & (speeds < 2.0)).all()
+    assert_allclose(found[-1].shapes[0, :2, 0], 0.0, atol=1e-5)
+
+
+def test_distances_where_nothing_recurs() -> None:
+    shapes = cells().resting([(0.0, 0.0, 0.0), (0.0, 0.0, 2.3), (0.0, 2.7, 2.3)])
+    assert_allclose(cell_distance(shapes, math.inf), [0.3, 0.3, 0.7], atol=1e-7)
+    assert cell_distance(shapes[:1], math.inf) == [math.inf]
+    assert (wall_distance(shapes, UnboundedSpace().wall) == math.inf).all()
+    assert overlaps(shapes, period=math.inf) == ()
+    shapes[1] = displaced(shapes[1], np.array([0.0, 0.0, -0.5]))
+    assert [(each.first, each.second) for each in overlaps(shapes, period=math.inf)] == [(0, 1)]
 
 
 def test_what_makes_no_sense_is_refused() -> None:
