@@ -80,6 +80,7 @@ def test_values_have_their_distribution(given: dict, expected) -> None:
     even = (np.arange(4096) + 0.5) / 4096
     values = distribution.values(even)
     assert values == pytest.approx(expected.ppf(even), rel=1e-9)
+    assert distribution.scores(values) == pytest.approx(scipy.stats.norm.ppf(even), abs=1e-8)
     drawn = [draw.train.cell.shear_modulus for draw in one(given, points=4096).draws]
     assert np.mean(drawn) == pytest.approx(expected.mean(), rel=2e-4)
     assert np.std(drawn) == pytest.approx(expected.std(), rel=2e-3)

@@ -307,7 +307,7 @@ fraction kept, and the moduli as before: {values[0].size} trains,
         rows.append(
             (
                 f"{OUTPUTS[name].split(',')[0]}, {data[name].attrs['units']}",
-                f"{mean:.5g} ± {found.error.mean[i]:.1g}",
+                _number(mean, found.error.mean[i]),
                 f"{_number(100 * deviation / mean, 100 * error / mean)} % ({100 * other:.2f} %)",
                 *(f"{each:.2f}" for each in found.indices.first_order[i]),
             )
