@@ -61,7 +61,7 @@ python_maximum_signature_line_length = 88
 default_role = "code"
 
 # Which of two modules' types of one name a signature means is not said there.
-suppress_warnings = ["ref.python", "toc.empty_glob"]
+suppress_warnings = ["ref.python"]
 # Types of other libraries have no page here, and none is fetched.
 nitpicky = True
 nitpick_ignore_regex = [("py:.*", r".*")]
