@@ -117,4 +117,5 @@ def report(picture: Picture, reading: Reading) -> dict[str, Any]:
         "rows": rows(picture.result, reading),
         "converged": picture.converged,
         "degree": picture.base.train.degree,
+        "given": picture.view.train.resolution.degree is not None,
     }

@@ -88,7 +88,8 @@ celltrain.explorer = {
     if (shown.message) this.status("wrong", shown.report ? "coarse only" : "no picture");
     else if (!this.busy) {
       const degree = `degree ${shown.report.degree}`;
-      if (shown.converged) this.status("converged", `converged · ${degree}`);
+      const how = shown.report.given ? "as given" : "converged";
+      if (shown.converged) this.status("converged", `${how} · ${degree}`);
       else this.status("coarse", `coarse · ${degree}, refining`);
     }
     this._address();
