@@ -26,8 +26,8 @@ class SamplePresentation(Presentation[SampleResult]):
             CaseError: always.
         """
         raise CaseError(
-            "a sample's dataset is not allowed as a start: it holds numbers only; allowed: the file"
-            " of the train of the means, in the same folder"
+            "a sample's dataset is not allowed here: it holds numbers only, and no steady train;"
+            " allowed: the file of the train of the means, in the same folder"
         )
 
     @classmethod

@@ -42,6 +42,16 @@ ANALYSIS = (
         modules=("steady.room",),
     ),
     Source(
+        key="Efron & Tibshirani 1993",
+        kind="book",
+        authors=("B. Efron", "R. J. Tibshirani"),
+        title="An Introduction to the Bootstrap",
+        where="Chapman & Hall",
+        year=1993,
+        note="Errors by resampling.",
+        modules=("study.sampling.statistics",),
+    ),
+    Source(
         key="Farrell, Birkisson & Funke 2015",
         kind="article",
         authors=("P. E. Farrell", "A. Birkisson", "S. W. Funke"),

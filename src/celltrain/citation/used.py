@@ -14,6 +14,7 @@ KINDS = {
     "base": STEADY,
     "branch": (*DYNAMICS, "continuation.arclength"),
     "boundary": (*DYNAMICS, "continuation.arclength"),
+    "sample": (*DYNAMICS, "study.sampling"),
     "search": (*STEADY, "continuation.deflation"),
     "transient": (*DYNAMICS, "stability.transient"),
     "pseudospectrum": (*DYNAMICS, "stability.pseudospectrum"),

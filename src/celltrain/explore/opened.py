@@ -43,7 +43,7 @@ def opened(path: Path | None) -> Opened:
     if path.suffix.lower() == ".nc":
         return _of_result(read_result(path), path)
     content = read_case(path)
-    if "axes" in content:
+    if {"axes", "distributions"} & set(content):
         raise CaseError(
             f"{str(path)!r} is a study, not a case; allowed: the folder that `celltrain sweep"
             f" {path}` makes"
