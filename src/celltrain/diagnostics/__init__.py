@@ -11,6 +11,7 @@ from celltrain.diagnostics.haematocrit import (
     in_vitro_viscosity,
     tube_haematocrit,
 )
+from celltrain.diagnostics.lubrication import lubricated, rigid_bullet, rigid_cell
 from celltrain.diagnostics.mechanisms import Mechanisms, mechanisms
 from celltrain.diagnostics.modes import ModeMotion, mode_motion
 from celltrain.diagnostics.quantities import ENERGY_PARTS, FRAME_QUANTITIES
@@ -52,11 +53,14 @@ __all__ = [
     "frame",
     "in_vitro_viscosity",
     "isotropic_tension",
+    "lubricated",
     "mechanisms",
     "meridional_flow",
     "mode_motion",
     "perturbation_energy",
     "recirculation",
+    "rigid_bullet",
+    "rigid_cell",
     "surface_fields",
     "tube_haematocrit",
 ]

@@ -2,9 +2,11 @@
 
 All numbers in which two cases differ change together, in geometric proportion where both are
 positive. The guess for the next train is extrapolated from the last two, and corrected by Newton's
-method; a step that fails is halved, one that took few corrections is followed by a longer one.
+method; a step that fails is halved, one that took few corrections is followed by a longer one. A
+path ends early where its degree no longer follows the shapes, if it is told how to see that.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,12 +43,15 @@ def follow(
     tolerance: float,
     most: int,
     first: float = 1.0,
+    smallest: float = SMALLEST_PART,
+    rough: float = math.inf,
     progress: IterationProgress | None = None,
 ) -> Followed:
     """The steady train of `end`, from that of `begin` with the given profile.
 
-    **Arguments:** `tolerance`: bound on the residual; `most`: iterations in all; `first`: the first
-    step, as a part of the path.
+    **Arguments:** `tolerance`: bound on the residual; `most`: iterations in all; `first`,
+    `smallest`: the first and the shortest step, as parts of the path; `rough`: the truncation
+    error, U, above which a train on the way ends it.
 
     **Raises:** `CaseError` if a case on the way is not allowed.
     """
@@ -76,7 +81,8 @@ def follow(
                 part *= 2.0
         else:
             part *= 0.5
-        if place == 1.0 or part < SMALLEST_PART or len(history) >= most:
+        coarse = found.steady and found.state.truncation_error > rough
+        if place == 1.0 or coarse or part < smallest or len(history) >= most:
             problem, found = reached or (problem, found)
             whole = Iterated(found.state, tuple(history), found.outcome)
             return Followed(problem, whole, place == 1.0)
