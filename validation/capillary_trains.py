@@ -5,6 +5,7 @@ From nothing that takes half an hour on two cores.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -12,6 +13,7 @@ from page import FOLDER, Page
 
 from celltrain import Base, CaseError, Train, steady
 from celltrain.diagnostics import discharge_haematocrit, lubricated, tube_haematocrit
+from celltrain.results import write_dataset
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.spectrum import growing_eigenvalues
@@ -23,18 +25,20 @@ DIAMETERS = (4.0, 5.0, 6.0, 7.0, 8.0, 10.0)
 HAEMATOCRITS = (0.15, 0.3, 0.45, 0.5)
 SPEED = 1e-3
 #: Tubes (r0), packings and speeds (m/s) of the map of growth rates.
-MAP_DIAMETERS = (1.5, 1.75, 2.0, 2.5, 3.0, 3.5)
-MAP_PACKINGS = (0.1, 0.3)
-MAP_SPEEDS = (1e-4, 1e-3, 1e-2)
-NUMBERS = (0, 1, 2, 3, 4)
+MAP_DIAMETERS = (1.6, 2.0, 2.5, 3.0, 3.5)
+MAP_PACKINGS = (0.1, 0.25)
+MAP_SPEEDS = (1e-3, 5e-3, 2e-4)
+NUMBERS = tuple(range(11))
+#: Disturbances of higher numbers die out from cell to cell: two phases are enough.
+LOW_NUMBERS = (0, 1)
 CELLS = 8
 #: Tubes (r0) in which the speed changes at one packing, and the speeds, m/s.
-FILM_DIAMETERS = (1.5, 2.0)
+FILM_DIAMETERS = (1.6, 2.0)
 FILM_PACKING = 0.1
-FILM_SPEEDS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2)
+FILM_SPEEDS = (2e-4, 5e-4, 1e-3, 2e-3, 5e-3)
 #: Below this diameter (r0) trains are computed at the higher pair of degrees.
 NARROW = 2.4
-DEGREES, NARROW_DEGREES = (16, 24), (24, 32)
+DEGREES, NARROW_DEGREES = (20, 24), (24, 32)
 #: How exactly a haematocrit is met.
 MET = 2e-3
 
@@ -43,6 +47,7 @@ MEASURED, MAP, FILMS = (
     DATA / f"capillaries-{name}.nc" for name in ("measured", "stability", "films")
 )
 
+RATES = {"rate": "U/r0", "frequency": "U/r0", "wave": "1", "coarse_rate": "U/r0"}
 NUMBERS_KEPT = {
     "packing": "1",
     "tube_haematocrit": "1",
@@ -117,81 +122,77 @@ def pair(train: Train, start: Base | None) -> Pair:
     **Raises:** `NotConverged` or `CaseError` if there is none.
     """
     low, high = degrees(train.tube.diameter)
-    coarse = steady(train.changed(degree=low), start=start, estimate_error=False)
-    return _refined(coarse, high)
-
-
-def _refined(coarse: Base, degree: int) -> Pair:
-    fine = steady(coarse.train.changed(degree=degree), start=coarse, estimate_error=False)
-    return Pair(coarse, fine)
+    fine = steady(train.changed(degree=high), start=start, estimate_error=False)
+    return Pair(steady(train.changed(degree=low), start=fine, estimate_error=False), fine)
 
 
 def measured(page: Page) -> xr.Dataset:
     """Trains at the diameters and discharge haematocrits of the comparison."""
-    kept = _empty({"diameter": DIAMETERS, "haematocrit": HAEMATOCRITS})
+    kept = _begun(MEASURED, {"diameter": DIAMETERS, "haematocrit": HAEMATOCRITS})
     kept["diameter"].attrs["units"] = "um"
-    first: Base | None = None
-    for diameter in sorted(DIAMETERS, reverse=True):
-        last = first
-        for share in HAEMATOCRITS:
+    # The densest at last, each from the one before in the same tube.
+    last: dict[float, Base] = {}
+    for share in HAEMATOCRITS:
+        near: Base | None = None
+        for diameter in sorted(DIAMETERS, reverse=True):
+            place = {"diameter": diameter, "haematocrit": share}
+            if _known(kept, place):
+                continue
+            size = diameter * 1e-6 / CELL_RADIUS
             try:
-                found = _at_share(diameter * 1e-6 / CELL_RADIUS, share, last)
+                found = _at_share(size, share, last.get(diameter, near))
             except (NotConverged, CaseError) as error:
                 page.log(f"{diameter:g} um, {share:g}: {error}")
                 continue
-            last = found.coarse
-            if share == HAEMATOCRITS[0]:
-                first = last
-            _keep(kept, found.numbers(), diameter=diameter, haematocrit=share)
+            near = last[diameter] = found.fine
+            _keep(kept, MEASURED, found.numbers(), place)
             page.log(f"{diameter:g} um, {share:g}: {found.fine.effective_viscosity:.4f}")
-    return kept
+    return _ended(kept, MEASURED)
 
 
 def _at_share(diameter: float, share: float, start: Base | None) -> Pair:
     """The train of a discharge haematocrit: its packing follows from the velocity it has."""
-    low, high = degrees(diameter)
+    _, high = degrees(diameter)
     # V = 4 pi/3 r0^3.
     packing = 0.75 * share * (diameter / 2.0) ** 2 / (start.cell_velocity if start else 1.5)
     while True:
-        train = case(diameter, packing, SPEED).changed(degree=low)
-        start = steady(train, start=start, estimate_error=False)
+        train = case(diameter, packing, SPEED)
+        start = steady(train.changed(degree=high), start=start, estimate_error=False)
         wrong = discharge_haematocrit(start) / share
         if abs(wrong - 1.0) < MET:
-            return _refined(start, high)
+            return pair(train, start)
         packing /= wrong
 
 
 def stability_map(page: Page) -> xr.Dataset:
     """Trains, and the fastest disturbance of each azimuthal number, at two degrees."""
     axes = {"diameter": MAP_DIAMETERS, "packing_given": MAP_PACKINGS, "speed": MAP_SPEEDS}
-    kept = _empty(axes)
-    shape = (*(len(each) for each in axes.values()), len(NUMBERS))
-    kept = kept.assign_coords(m=("m", list(NUMBERS)))
-    for name, unit in (
-        ("rate", "U/r0"),
-        ("frequency", "U/r0"),
-        ("wave", "1"),
-        ("coarse_rate", "U/r0"),
-    ):
-        kept[name] = ((*axes, "m"), np.full(shape, np.nan), {"units": unit})
+    kept = _begun(MAP, axes)
+    if "m" not in kept.coords:
+        shape = (*(len(each) for each in axes.values()), len(NUMBERS))
+        kept = kept.assign_coords(m=("m", list(NUMBERS)))
+        for name, unit in RATES.items():
+            kept[name] = ((*axes, "m"), np.full(shape, np.nan), {"units": unit})
     for speed, packing, diameter, start in _walk():
+        place = {"diameter": diameter, "packing_given": packing, "speed": speed}
+        if _known(kept, place):
+            continue
         try:
             found = pair(case(diameter, packing, speed), start.get("base"))
         except (NotConverged, CaseError) as error:
             page.log(f"{speed:g} m/s, packing {packing:g}, D = {diameter:g}: {error}")
             continue
-        start["base"] = found.coarse
-        place = {"diameter": diameter, "packing_given": packing, "speed": speed}
-        _keep(kept, found.numbers(), **place)
+        start["base"] = found.fine
         fine, coarse = _leading(found.fine), _leading(found.coarse)
         for m in NUMBERS:
             kept["wave"].loc[{**place, "m": m}], value = fine[m][0], fine[m][1]
             kept["rate"].loc[{**place, "m": m}] = value.real
             kept["frequency"].loc[{**place, "m": m}] = value.imag
             kept["coarse_rate"].loc[{**place, "m": m}] = coarse[m][1].real
+        _keep(kept, MAP, found.numbers(), place)
         rates = " ".join(f"{fine[m][1].real:+.4f}" for m in NUMBERS)
         page.log(f"{speed:g} m/s, packing {packing:g}, D = {diameter:g}: {rates}")
-    return kept
+    return _ended(kept, MAP)
 
 
 def _walk() -> Iterator[tuple[float, float, float, dict[str, Base]]]:
@@ -205,42 +206,53 @@ def _walk() -> Iterator[tuple[float, float, float, dict[str, Base]]]:
 
 def _leading(base: Base) -> dict[int, tuple[int, complex]]:
     """For each azimuthal number the wave of the fastest disturbance, and its eigenvalue."""
-    phases = [2.0 * np.pi * j / CELLS for j in range(CELLS // 2 + 1)]
     found = {}
-    for m, blocks in linear_blocks(base, phases, NUMBERS).items():
-        values = [
-            growing_eigenvalues(block, neutral_space(base, m, 0 if q == 0.0 else 1))[0]
-            for q, block in zip(phases, blocks, strict=True)
-        ]
-        wave = int(np.argmax(np.real(values)))
-        found[m] = wave, complex(values[wave])
+    high = tuple(m for m in NUMBERS if m not in LOW_NUMBERS)
+    for numbers, waves in ((LOW_NUMBERS, range(CELLS // 2 + 1)), (high, (0, CELLS // 2))):
+        phases = [2.0 * np.pi * j / CELLS for j in waves]
+        for m, blocks in linear_blocks(base, phases, numbers).items():
+            values = [
+                growing_eigenvalues(block, neutral_space(base, m, 0 if q == 0.0 else 1))[0]
+                for q, block in zip(phases, blocks, strict=True)
+            ]
+            place = int(np.argmax(np.real(values)))
+            found[m] = waves[place], complex(values[place])
     return found
 
 
 def films(page: Page) -> xr.Dataset:
     """Trains in tight tubes over the speed of the flow, from the middle one to both ends."""
-    kept = _empty({"diameter": FILM_DIAMETERS, "speed": FILM_SPEEDS})
+    kept = _begun(FILMS, {"diameter": FILM_DIAMETERS, "speed": FILM_SPEEDS})
     middle = FILM_SPEEDS.index(SPEED)
     for diameter in FILM_DIAMETERS:
         begin: Base | None = None
         for speeds in (FILM_SPEEDS[middle:], FILM_SPEEDS[middle::-1]):
             last = begin
             for speed in speeds:
+                if _known(kept, {"diameter": diameter, "speed": speed}):
+                    continue
                 try:
                     found = pair(case(diameter, FILM_PACKING, speed), last)
                 except (NotConverged, CaseError) as error:
                     page.log(f"D = {diameter:g}, {speed:g} m/s: {error}")
                     break
-                last = found.coarse
+                last = found.fine
                 if speed == SPEED:
                     begin = last
-                _keep(kept, found.numbers(), diameter=diameter, speed=speed)
+                _keep(kept, FILMS, found.numbers(), {"diameter": diameter, "speed": speed})
                 film = diameter / 2.0 - found.fine.largest_radius
                 page.log(f"D = {diameter:g}, {speed:g} m/s: film {film:.4f}")
-    return kept
+    return _ended(kept, FILMS)
 
 
-def _empty(axes: dict[str, tuple[float, ...]]) -> xr.Dataset:
+def _part(path: Path) -> Path:
+    """What is kept of a study under way, which goes on from there when it is run again."""
+    return path.with_suffix(".part.nc")
+
+
+def _begun(path: Path, axes: dict[str, tuple[float, ...]]) -> xr.Dataset:
+    if _part(path).is_file():
+        return xr.load_dataset(_part(path))
     shape = tuple(len(each) for each in axes.values())
     return xr.Dataset(
         {
@@ -251,6 +263,23 @@ def _empty(axes: dict[str, tuple[float, ...]]) -> xr.Dataset:
     )
 
 
-def _keep(kept: xr.Dataset, numbers: dict[str, float], **place: float) -> None:
+def _known(kept: xr.Dataset, place: dict[str, float]) -> bool:
+    return bool(np.isfinite(kept["cell_velocity"].sel(place)))
+
+
+def _keep(kept: xr.Dataset, path: Path, numbers: dict[str, float], place: dict[str, float]) -> None:
     for name, value in numbers.items():
         kept[name].loc[place] = value
+    write_dataset(kept, _part(path))
+
+
+def _ended(kept: xr.Dataset, path: Path) -> xr.Dataset:
+    """The same, if nothing is missing.
+
+    **Raises:** `RuntimeError` if something is.
+    """
+    missing = int(np.isnan(kept["cell_velocity"]).sum())
+    if missing:
+        raise RuntimeError(f"{path.stem}: {missing} trains are missing")
+    _part(path).unlink()
+    return kept

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from celltrain.diagnostics.haematocrit import (
     discharge_haematocrit,
+    in_vitro_fahraeus,
     in_vitro_viscosity,
     tube_haematocrit,
 )
@@ -51,6 +52,7 @@ __all__ = [
     "disturbance_amplitude",
     "energy_parts",
     "frame",
+    "in_vitro_fahraeus",
     "in_vitro_viscosity",
     "isotropic_tension",
     "lubricated",

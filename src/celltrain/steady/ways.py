@@ -64,11 +64,11 @@ class Ways:
             ways.append((rest, lambda: self._raised(self._marched(train), train)))
         if easy is not None:
             how = f"{rest} with {describe_change(easy, train)}"
-            ways.append((how, lambda: self._rising(self._marched(easy), train)))
+            ways.append((how, lambda: self._rising(self._eased(easy, train), train)))
         if moderate is not None:
             begin = easier(moderate) or moderate
             how = f"{rest} with {describe_change(begin, train)}"
-            ways.append((how, lambda: self._rising(self._marched(begin), moderate, train)))
+            ways.append((how, lambda: self._rising(self._eased(begin, train), moderate, train)))
         return self._first(ways)
 
     def from_train(self, begin: Train, profile: Profile, train: Train) -> tuple[Followed, str]:
@@ -125,6 +125,11 @@ class Ways:
     def _marched(self, train: Train) -> Followed:
         """From rest, at the degree of marches."""
         return self._march(_at_march_degree(train))
+
+    def _eased(self, easy: Train, train: Train) -> Followed:
+        """An easier case from rest, at the degree at which to begin the way to the other."""
+        begin = min(first_degree(train), train.degree)
+        return self._raised(self._marched(easy), easy.changed(degree=begin, **_no_sizes()))
 
     def _rising(self, begun: Followed, *ends: Train) -> Followed:
         """Along paths of parameters from train to train, at a degree that rises as shapes ask."""
