@@ -33,7 +33,7 @@ NUMBERS = tuple(range(11))
 LOW_NUMBERS = (0, 1)
 CELLS = 8
 #: Tubes (r0) in which the speed changes at one packing, and the speeds, m/s.
-FILM_DIAMETERS = (1.6, 2.0)
+FILM_DIAMETERS = (2.0, 1.6)
 FILM_PACKING = 0.1
 FILM_SPEEDS = (2e-4, 5e-4, 1e-3, 2e-3, 5e-3)
 #: Below this diameter (r0) trains are computed at the higher pair of degrees.
@@ -130,11 +130,11 @@ def measured(page: Page) -> xr.Dataset:
     """Trains at the diameters and discharge haematocrits of the comparison."""
     kept = _begun(MEASURED, {"diameter": DIAMETERS, "haematocrit": HAEMATOCRITS})
     kept["diameter"].attrs["units"] = "um"
-    # The densest at last, each from the one before in the same tube.
+    # The first from wide to narrow tubes, the denser ones from the one before in the same tube.
     last: dict[float, Base] = {}
     for share in HAEMATOCRITS:
         near: Base | None = None
-        for diameter in sorted(DIAMETERS, reverse=True):
+        for diameter in sorted(DIAMETERS, reverse=share == HAEMATOCRITS[0]):
             place = {"diameter": diameter, "haematocrit": share}
             if _known(kept, place):
                 continue

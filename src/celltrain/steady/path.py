@@ -15,7 +15,7 @@ from jaxtyping import Float
 from celltrain.harmonics import Profile
 from celltrain.parameters import Train
 from celltrain.steady.base import Iteration, IterationProgress
-from celltrain.steady.iterate import Iterated, newton
+from celltrain.steady.iterate import Iterated, least_room, newton
 from celltrain.steady.problem import SteadyProblem
 
 #: Shortest step, as a part of the whole path.
@@ -60,11 +60,14 @@ def follow(
     known = [(0.0, profile - at.rest)]
     history: list[Iteration] = []
     reached: tuple[SteadyProblem, Iterated] | None = None
-    place, part = 0.0, first
+    place, part, room = 0.0, first, at.room(profile)
     while True:
         following = min(1.0, place + part)
         problem = SteadyProblem(between(begin, end, following))
         guess = change_degree(_extrapolated(known, following), problem.degree) + problem.rest
+        if (problem.room(guess) < least_room(room)).any() and part >= smallest:
+            part *= 0.5
+            continue
         found = newton(
             problem,
             guess,
@@ -76,6 +79,7 @@ def follow(
         if found.steady:
             reached = problem, found
             place = following
+            room = problem.room(found.state.profile)
             known = [*known[-1:], (place, found.state.profile - problem.rest)]
             if len(found.history) <= FEW_CORRECTIONS:
                 part *= 2.0
