@@ -30,7 +30,7 @@ CASE = ["--diameter", "6", "--packing", "0.2"]
         (["--packing", "0.2"], ["diameter is missing"]),
         ([*CASE, "--cells", "0"], ["cells = 0", "1 to 10000"]),
         ([*CASE, "--cells", "2.6"], ["--cells", "2.6", "a whole number 1 to 10000"]),
-        ([*CASE, "--degree", "4"], ["degree = 4", "6 to 48"]),
+        ([*CASE, "--degree", "4"], ["degree = 4", "6 to 64"]),
         ([*CASE, "--shear-modulus", "-1"], ["shear_modulus = -1", "> 0"]),
         ([*CASE, "--law", "hooke"], ["law = 'hooke'", "skalak or neo_hookean"]),
         (["--diameter", "six", "--packing", "0.2"], ["--diameter", "six", "a number > 0"]),
@@ -70,8 +70,8 @@ def test_unknown_key_in_a_case_file(tmp_path, capsys):
 def test_azimuthal_numbers_are_within_the_degree(capsys):
     assert main(["stability", *CASE, "--degree", "12", "--azimuthal-numbers", "0", "13"]) == 2
     assert "azimuthal_numbers = 13" in capsys.readouterr().err
-    assert main(["stability", *CASE, "--azimuthal-numbers", "0", "49"]) == 2
-    assert "to the degree, at most 48" in capsys.readouterr().err
+    assert main(["stability", *CASE, "--azimuthal-numbers", "0", "65"]) == 2
+    assert "to the degree, at most 64" in capsys.readouterr().err
     assert main(["stability", *CASE, "--azimuthal-numbers", "1.5"]) == 2
     assert "1.5" in capsys.readouterr().err
 

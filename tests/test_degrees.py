@@ -1,9 +1,13 @@
 """Degrees that rise until a number is known, and what sequences of them leave open."""
 
 import math
+from collections.abc import Callable
 
 import pytest
 
+from celltrain import Base, Train
+from celltrain.parameters.resolution import LARGEST_DEGREE
+from celltrain.steady import NotConverged
 from celltrain.steady.degree import (
     BEST_RATE,
     CHANGES,
@@ -15,6 +19,7 @@ from celltrain.steady.degree import (
     raised,
     remaining,
 )
+from celltrain.steady.ways import first_degree
 
 
 def test_one_value_tells_nothing() -> None:
@@ -71,7 +76,32 @@ def test_degrees_rise_until_it_is_enough() -> None:
     assert found.left < 0.02
     # Few values are never enough, and the ladder ends.
     assert raised(evaluate, lambda _: True).degrees == DEGREES[:FEWEST]
-    assert raised(evaluate, lambda _: False, first=30).degrees == (30, 32, 40, 48)
-    assert raised(evaluate, lambda _: True, first=50).degrees == (50,)
-    assert higher(20) == (24, 32, 40, 48)
-    assert higher(48) == ()
+    assert raised(evaluate, lambda _: False, first=30).degrees == (30, 32, 40, 48, 56, 64)
+    assert raised(evaluate, lambda _: True, first=60).degrees == (60, 64)
+    assert higher(20) == (24, 32, 40, 48, 56, 64)
+    assert higher(LARGEST_DEGREE) == ()
+
+
+def test_degrees_without_a_train_are_passed_over(make_base: Callable[..., Base]) -> None:
+    nothing = NotConverged("no steady train", make_base(diameter=2, packing=0.2))
+
+    def evaluate(degree: int) -> float:
+        if not 20 <= degree < least_failing:
+            raise nothing
+        return 1.0 + 2.0 ** -(degree / 4)
+
+    least_failing = 100
+    assert raised(evaluate, lambda _: True).degrees == (20, 24, 32)
+    # One that fails above others ends it with what is known.
+    least_failing = 32
+    assert raised(evaluate, lambda _: True).degrees == (20, 24)
+    least_failing = 20
+    with pytest.raises(NotConverged, match="no steady train"):
+        raised(evaluate, lambda _: True)
+
+
+def test_narrow_tubes_begin_at_higher_degrees() -> None:
+    degrees = [first_degree(Train(diameter=d, packing=0.1)) for d in (6, 3, 2.4, 2, 1.6, 1.45)]
+    assert degrees[:2] == [DEGREES[0]] * 2
+    assert degrees == sorted(degrees)
+    assert degrees[-1] == 32

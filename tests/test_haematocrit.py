@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from celltrain import CaseError
 from celltrain.diagnostics import (
     discharge_haematocrit,
+    in_vitro_fahraeus,
     in_vitro_viscosity,
     tube_haematocrit,
 )
@@ -47,3 +48,18 @@ def test_haematocrits_of_a_train(make_base: Callable[..., Base]) -> None:
     # Cells are faster than the mean, so more of them leave than are there.
     ratio = discharge_haematocrit(base) / tube_haematocrit(base)
     assert ratio == pytest.approx(base.cell_velocity, rel=1e-12)
+
+
+def test_fahraeus_effect_of_blood() -> None:
+    assert in_vitro_fahraeus(5.0, 1.0 - 1e-12) == pytest.approx(1.0)
+    for diameter in (4.0, 10.0, 100.0):
+        shares = np.linspace(0.0, 0.9, 10)
+        ratio = in_vitro_fahraeus(diameter, shares)
+        assert (np.diff(ratio) > 0.0).all()
+        assert ((ratio > 0.45) & (ratio < 1.0)).all()
+    # Wide tubes do not separate cells from plasma.
+    assert in_vitro_fahraeus(1900.0, 0.3) == pytest.approx(1.0, abs=1e-6)
+    # At 0: 1 + 1.7 e^-2.075 - 0.6 e^-0.055.
+    assert in_vitro_fahraeus(5.0, 0.0) == pytest.approx(0.64555, abs=2e-5)
+    with pytest.raises(CaseError, match=r"3.3"):
+        in_vitro_fahraeus(3.0, 0.4)

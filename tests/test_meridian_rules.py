@@ -71,3 +71,21 @@ def test_rules_follow_the_room() -> None:
     assert finer.targets > wide.targets
     assert finer.tolerance < wide.tolerance
     assert rules(6.0, 3.0, 1e-12).radial > wide.radial
+
+
+def test_each_place_asks_with_its_own_distance() -> None:
+    """Poles that are near need few points around the axis, and few of a membrane that is short."""
+
+    def rules(profile: Profile, period: float) -> Rules:
+        return choose_rules(profile, period=period, radius=3.0, targets=8)
+
+    flat = sphere() * np.array([[0.5], [1.0]])
+    # The equator is nearest to no other cell, and the stretch at the pole is that of the sphere.
+    gap = 0.1
+    round_poles, near = rules(sphere(), 2.0 + gap), rules(flat, 1.0 + gap)
+    digits = math.log(30 / 1e-8)
+    assert round_poles.image_sources >= 0.5 * digits / gap
+    # Spheres part as rho^2: the rings at the distance gap + rho^2 ask for rho/(gap + rho^2).
+    around = 0.5 * digits * 0.5 / math.sqrt(gap)
+    assert around <= round_poles.image_half_circle <= 1.3 * around + 12
+    assert near.image_half_circle > round_poles.image_half_circle

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain.harmonics import Profile
-from celltrain.meridian import flow_rate
+from celltrain.meridian import flow_rate, wall
 from celltrain.meridian.geometry import volume_gradient
 from celltrain.meridian.grids import HalfCircle, MeridianGrid, meridian_grid
 from celltrain.meridian.images import force_image, stress_image
@@ -194,3 +194,22 @@ def test_flow_rate_by_reciprocity() -> None:
     assert_allclose(section @ flow.of_stresses(content)[:, 2], flux, rtol=0, atol=1e-10)
     assert np.abs(flux).max() > 1e-3
     assert_allclose(section @ flow_rate.parabola(rho, RADIUS), 1.0, rtol=1e-14)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.9])
+def test_groups_of_waves_add_up_to_all(phase: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In thin films the waves are too many to be held at once."""
+    flow = Flow((np.array([-0.3, 0.5]), np.array([0.4, 1.1])), 1, phase)
+    waves = flow.wall._waves
+    assert waves.groups() == (waves,)
+    monkeypatch.setattr(wall, "GROUP", wall.FIELDS * 8 * waves.rho.size * 7)
+    groups = waves.groups()
+    assert len(groups) > 2
+    assert_allclose(np.concatenate([each.waves for each in groups]), waves.waves, atol=0)
+    assert sum(each.uniform for each in groups) == int(waves.uniform)
+    displaced, places = grid().sources(1), grid().places(force())
+    whole, *parts = (
+        each.velocity(each.of_forces(places, displaced, displaced))
+        for each in (flow.wall, *(WallFlow(group, 1) for group in groups))
+    )
+    assert_allclose(sum(parts), whole, rtol=0, atol=1e-13 * np.abs(whole).max())

@@ -76,8 +76,8 @@ def test_defaults_are_the_red_blood_cell_in_the_reference_scales():
         ({"viscosity_ratio": 0}, ["viscosity_ratio = 0", "> 0"]),
         ({"law": "hooke"}, ["law = 'hooke'", "skalak or neo_hookean"]),
         ({"reference": "cube"}, ["reference = 'cube'", "biconcave or sphere"]),
-        ({"degree": 4}, ["degree = 4", "6 to 48", "resting cell"]),
-        ({"degree": "12"}, ["degree = '12'", "6 to 48"]),
+        ({"degree": 4}, ["degree = 4", "6 to 64", "resting cell"]),
+        ({"degree": "12"}, ["degree = '12'", "6 to 64"]),
         ({"degree": 12, "source_order": 8}, ["source_order = 8", ">= 12"]),
         ({"degree": 12, "target_order": 11}, ["target_order = 11", ">= 12"]),
         ({"degree": 12, "energy_order": 11}, ["energy_order = 11", ">= 12"]),
@@ -191,7 +191,7 @@ def test_a_train_need_not_have_a_degree():
     train = Train(**NOMINAL, source_order=20)
     assert train.leaf("degree") is None
     for ask in (lambda: train.degree, lambda: train.sizes, lambda: Resolution().sizes):
-        with pytest.raises(CaseError, match=r"degree is not given.* \(6 to 48\)"):
+        with pytest.raises(CaseError, match=r"degree is not given.* \(6 to 64\)"):
             ask()
     assert train.resolved(12) == train.changed(degree=12)
     assert train.resolved(12).resolved(16).degree == 12
@@ -285,7 +285,7 @@ def test_paper_units_and_back():
     diameter=st.floats(2.78, 100),
     packing=st.floats(1e-3, 1.0),
     cells=st.integers(1, 100),
-    degree=st.none() | st.integers(6, 48),
+    degree=st.none() | st.integers(6, 64),
     shear_modulus=st.floats(1e-6, 1e6),
     viscosity_ratio=st.floats(1e-3, 1e3),
     tolerance=st.floats(1e-12, 1e-3),

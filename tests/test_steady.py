@@ -104,3 +104,22 @@ def test_the_flow_leads_to_a_degree_where_newtons_method_does_not() -> None:
     assert fine.residual < 1e-9
     assert "march" in {step.method for step in fine.history}
     assert fine.cell_velocity == pytest.approx(1.88355, abs=1e-5)
+
+
+def test_a_cell_squeezes_through_a_capillary_of_five_micrometres() -> None:
+    train = Train.from_si(
+        diameter=5.6e-6, mean_velocity=1e-3, radius=2.8e-6, packing=0.2, cells=1, degree=20
+    )
+    base = steady(train, estimate_error=False)
+    assert base.residual < 1e-9
+    assert base.form == "bullet with a dimple"
+    # What M = 32 has; M = 20 leaves 0.6 %.
+    assert base.cell_velocity == pytest.approx(1.2462, rel=1e-2)
+    assert base.effective_viscosity == pytest.approx(1.4012, rel=1e-2)
+
+
+def test_what_was_tried_is_said() -> None:
+    train = Train(diameter=1.5, packing=0.38, cells=1, degree=8)
+    with pytest.raises(NotConverged, match=r"tried: march .*, up to ") as failure:
+        steady(train, max_iterations=40)
+    assert "wanted 1e-09 U" in str(failure.value)

@@ -15,7 +15,6 @@ from celltrain.stability import (
     neutral_space,
     numerical_abscissa,
 )
-from celltrain.steady.degree import DEGREES
 from celltrain.steady.problem import SteadyProblem
 
 CELLS = 8
@@ -67,6 +66,7 @@ POLAR = {
     (7.0, 10.0): (1e-11, 1e-13),
 }
 EXACT = (10.0, 14.0)
+DEGREES = (12, 16, 20, 24, 32, 40, 48)
 POLAR_DEGREES = (12, 24)
 RULES_DEGREE = 24
 

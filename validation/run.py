@@ -23,6 +23,7 @@ import ad_hoc
 import agreement
 import boundary
 import breakup
+import capillaries
 import capsules
 import convergence
 import disputed
@@ -62,6 +63,7 @@ def main() -> None:
         "accuracy": lambda _: accuracy.study(),
         "agreement": lambda _: agreement.study(),
         "haematocrit": lambda _: haematocrit.study(),
+        "capillaries": lambda _: capillaries.study(),
         "figures": lambda options: figures.study(options.results),
         "disputed": lambda _: disputed.study(),
         "double_point": lambda _: double_point.study(),

@@ -19,6 +19,7 @@ FORMATS = {
     "residual": ".1e",
     "truncation_error": ".1e",
     "velocity_error": ".1e",
+    "form": "",
 }
 
 

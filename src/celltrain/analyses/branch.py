@@ -91,7 +91,7 @@ class SteadyBranch(Analysis[Branch]):
         console.print(case_line(result.points[0].base))
         table = titled(
             f"Branch along {result.parameter} (r0, U, mu)",
-            *(result.parameter, "U_c", "gap", "mu_eff", "residual", "alpha, U/r0", ""),
+            *(result.parameter, "U_c", "gap", "mu_eff", "residual", "alpha, U/r0", "form", ""),
             left=0,
         )
         for number, point in enumerate(result.points):
@@ -103,6 +103,7 @@ class SteadyBranch(Analysis[Branch]):
                 f"{base.effective_viscosity:.5f}",
                 f"{base.residual:.1e}",
                 "" if point.leading is None else f"{point.growth_rate:.5f}",
+                base.form,
                 "fold" if number in result.folds else "",
             )
         console.print(table)

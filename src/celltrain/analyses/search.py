@@ -77,7 +77,7 @@ class SteadySearch(Analysis[BranchSearch]):
         """Print the tries, the trains if there are any, and the statement."""
         known = result.known
         console.print(case_line(known))
-        console.print(f"known: U_c = {known.cell_velocity:.5f} U ({known.origin})")
+        console.print(f"known: {known.form}, U_c = {known.cell_velocity:.5f} U ({known.origin})")
         tries = titled("Tries", "from", "steps")
         tries.add_column("outcome")
         for each in result.tries:
@@ -86,11 +86,13 @@ class SteadySearch(Analysis[BranchSearch]):
         if result.found:
             trains = titled(
                 "Further trains (r0, U, mu)",
-                *("from", "U_c", "gap", "mu_eff", "distance", "alpha, m = 0"),
+                *("from", "form", "U_c", "gap", "mu_eff", "distance", "alpha, m = 0"),
+                left=2,
             )
             for other in result.found:
                 trains.add_row(
                     other.guess,
+                    other.base.form,
                     f"{other.base.cell_velocity:.5f}",
                     f"{other.base.gap:.4f}",
                     f"{other.base.effective_viscosity:.5f}",

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 from celltrain.diagnostics.haematocrit import (
     discharge_haematocrit,
+    in_vitro_fahraeus,
     in_vitro_viscosity,
     tube_haematocrit,
 )
+from celltrain.diagnostics.lubrication import lubricated, rigid_bullet, rigid_cell
 from celltrain.diagnostics.mechanisms import Mechanisms, mechanisms
 from celltrain.diagnostics.modes import ModeMotion, mode_motion
 from celltrain.diagnostics.quantities import ENERGY_PARTS, FRAME_QUANTITIES
@@ -52,13 +54,17 @@ __all__ = [
     "disturbance_amplitude",
     "energy_parts",
     "frame",
+    "in_vitro_fahraeus",
     "in_vitro_viscosity",
     "isotropic_tension",
+    "lubricated",
     "mechanisms",
     "meridional_flow",
     "mode_motion",
     "perturbation_energy",
     "recirculation",
+    "rigid_bullet",
+    "rigid_cell",
     "stresslets",
     "surface_fields",
     "tube_haematocrit",

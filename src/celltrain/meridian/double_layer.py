@@ -24,7 +24,6 @@ from celltrain.meridian.images import stress_image
 from celltrain.meridian.moments import STRESS, member_matrix
 from celltrain.meridian.own_surface import own_rule, stress_moments
 from celltrain.meridian.train import ALIKE, Gradient, TrainFlow
-from celltrain.meridian.wall import WallFlow
 
 
 class DoubleLayer:
@@ -60,8 +59,8 @@ class DoubleLayer:
         for q in phases:
             velocity = still + sum(np.exp(1j * q * p) * each for p, each in images.items())
             velocity = velocity + flow.tail.velocity(m, q, moments)
-            wall = WallFlow(flow.wall_waves(q), m)
-            velocity += wall.velocity(wall.of_stresses(area, displaced))
+            for wall in flow.wall_flows(q, m):
+                velocity += wall.velocity(wall.of_stresses(area, displaced))
             if m == 0 and q == ALIKE:
                 (z, rho), radius = flow.source_places, flow.radius
                 flux = flow_rate.stress_flux(area, z, rho, radius, flow.period, displaced)

@@ -2,7 +2,9 @@
 
 The own surface's polar rule grows with the degree, and with the length of the cell; smooth sources
 (images, tail, wall) need n points in theta where the nearest target or its image in the wall is at
-the distance d, since Gauss-Legendre errs by about 30 exp(-2 n d/h), h = |dx/dtheta| there.
+the distance d, since Gauss-Legendre errs by about 30 exp(-2 n d/h), h = |dx/dtheta| there: each
+place of the meridian asks with its own d and h. Uniform points around the axis at the radius r err
+by exp(-2 n d/r) with n of them on half of the circle.
 """
 
 import math
@@ -11,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from celltrain.harmonics import Profile
-from celltrain.meridian.grids import meridian_grid
+from celltrain.meridian.grids import Meridian, meridian_grid
 
 #: Relative error of the parts of the flow that is aimed at.
 TOLERANCE = 1e-8
@@ -20,13 +22,12 @@ TOLERANCE = 1e-8
 RADIAL, AROUND = 4.0, 5.0
 # |dx/dtheta| of a cell (r0) that these serve; longer cells take more in proportion.
 USUAL_STRETCH = 1.6
-# Longitudes per colatitude of a product grid.
+# Longitudes per colatitude of a product grid whose targets are far.
 LONGITUDES = 1.6
 # Images whose axial distance is below this are summed one by one.
 NEAREST_IMAGE = 0.8
-#: Most points of smooth sources: cells closer than about 0.03 r0 to each other, or half of that to
-#: the wall, are not computed.
-MOST_SOURCES = 600
+#: Most points of smooth sources along a meridian: where they are not enough nothing is computed.
+MOST_SOURCES = 1200
 # Points of a meridian among which distances are taken.
 POINTS = 200
 
@@ -52,7 +53,7 @@ class Rules:
     @property
     def possible(self) -> bool:
         """Whether the cells are far enough apart, and from the wall, to be computed."""
-        return max(self.sources, self.image_sources) <= MOST_SOURCES
+        return max(self.sources, self.image_sources, self.image_half_circle) <= MOST_SOURCES
 
     def covers(self, other: "Rules") -> bool:
         """Whether these rules serve where others are asked for, without being twice as fine."""
@@ -108,33 +109,34 @@ def choose_rules(
     longer = max(1.0, math.ceil(4.0 * float(stretch.max()) / USUAL_STRETCH) / 4.0)
     finer = math.log(1.0 / tolerance) / math.log(1.0 / TOLERANCE)
 
-    def points(distance: float) -> int:
-        # More than can be had is as good as any number.
-        wanted = 0.5 * digits * float(stretch.max())
-        if not wanted < MOST_SOURCES * distance:
-            return MOST_SOURCES + 1
-        return min(_rung(wanted / distance), MOST_SOURCES + 1)
+    def points(length: Meridian, distance: Meridian | float) -> int:
+        """Points for sources of a length for each radian with targets at a distance."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wanted = 0.5 * digits * float(np.max(length / distance))
+        # More than can be had is as good as any number, and so is none.
+        return min(_rung(wanted), MOST_SOURCES + 1) if wanted < MOST_SOURCES else MOST_SOURCES + 1
 
     nearest = 0
     length = float(z.max() - z.min())
     while (nearest + 1) * period - length < NEAREST_IMAGE:
         nearest += 1
     least = max(math.ceil(2.5 * degree), 12)
-    wall_distance = radius - float(rho.max())
-    image = math.inf
+    beside = radius - rho
+    mirrored = beside + beside.min() if beside.min() > 0.0 else np.zeros_like(beside)
+    image = np.full_like(z, math.inf)
     for shift in (period, -period):
-        across = (rho[:, None] - rho) ** 2 + (z[:, None] - z - shift) ** 2
-        image = min(image, math.sqrt(float(across.min())))
-    image_sources = max(least, points(image))
+        across = (rho - rho[:, None]) ** 2 + (z + shift - z[:, None]) ** 2
+        image = np.minimum(image, np.sqrt(across.min(axis=0)))
+    image_sources = max(least, points(stretch, image))
     return Rules(
         targets=targets,
         radial=math.ceil(RADIAL * degree * longer * finer) if radial is None else radial,
         half_circle=math.ceil(0.5 * (AROUND * degree * longer * finer))
         if around is None
         else around // 2,
-        sources=max(least, points(2.0 * wall_distance), points(NEAREST_IMAGE)),
+        sources=max(least, points(stretch, mirrored), points(stretch, NEAREST_IMAGE)),
         image_sources=image_sources,
-        image_half_circle=math.ceil(0.5 * LONGITUDES * image_sources),
+        image_half_circle=max(math.ceil(0.5 * LONGITUDES * least), points(rho, image)),
         nearest=nearest,
         tolerance=tolerance,
     )

@@ -17,7 +17,7 @@ For m = 0
 and for m > 0 only the term with V'' is left, V'' the second derivative of the volume.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -180,6 +180,11 @@ class TrainFlow:
             )
         return self._walls[phase]
 
+    def wall_flows(self, phase: float, m: int) -> Iterator[WallFlow]:
+        """What the wall adds for a phase and an azimuthal number: the parts of a sum."""
+        for waves in self.wall_waves(phase).groups():
+            yield WallFlow(waves, m)
+
     # --------------------------------------------------------------------------- the steady flow
 
     @cached_property
@@ -195,13 +200,17 @@ class TrainFlow:
             integrals = integrals + image.integrals
         xx, xz, zx, zz, yy = integrals[4:9]
         gradient = Gradient(xx, xz, zx, zz, yy)
-        wall = WallFlow(self.wall_waves(ALIKE), 0)
-        sums = wall.of_resting_forces(on_sources)
         moments = self.tail.of_resting_forces(0, on_sources)
-        smooth = wall.velocity(sums) + self.tail.velocity(0, ALIKE, moments)
-        slopes = zip(wall.gradient(sums), self.tail.gradient(0, ALIKE, moments), strict=True)
-        by_radius, by_height = ((one + other).real[..., 0] for one, other in slopes)
-        smooth = smooth.real[..., 0]
+        smooth = self.tail.velocity(0, ALIKE, moments)
+        by_radius, by_height = self.tail.gradient(0, ALIKE, moments)
+        for wall in self.wall_flows(ALIKE, 0):
+            sums = wall.of_resting_forces(on_sources)
+            smooth = smooth + wall.velocity(sums)
+            along_radius, along_height = wall.gradient(sums)
+            by_radius, by_height = by_radius + along_radius, by_height + along_height
+        smooth, by_radius, by_height = (
+            each.real[..., 0] for each in (smooth, by_radius, by_height)
+        )
         velocity = velocity + smooth
         q0 = flow_rate.extra_flux(
             self.source_forces[0],
@@ -266,8 +275,8 @@ class TrainFlow:
         for q in phases:
             velocity = still + sum(np.exp(1j * q * p) * each for p, each in images.items())
             velocity = velocity + self.tail.velocity(m, q, moments)
-            wall = WallFlow(self.wall_waves(q), m)
-            velocity += wall.velocity(wall.of_forces(self.source_forces, displaced, forced))
+            for wall in self.wall_flows(q, m):
+                velocity += wall.velocity(wall.of_forces(self.source_forces, displaced, forced))
             if m == 0 and q == ALIKE:
                 velocity[:, 2] -= self._held(displaced, forced)
             block = self.targets.projection(m) @ velocity.reshape(-1, velocity.shape[-1])

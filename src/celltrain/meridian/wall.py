@@ -14,8 +14,9 @@ Z = i sign(k) Z' both are real, and real and imaginary parts of the sums are row
 k_max = -log(tolerance)/(2 wall_distance). At q = 0 the wave k = 0 is there, too.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -32,6 +33,9 @@ from celltrain.meridian.wall_response import (
 
 #: Waves below this, in 1/r0, are the uniform one.
 UNIFORM = 1e-12
+#: Bytes that a group of waves may take, and the numbers for each wave and place: responses, rows
+#: of them, and what those are made of.
+GROUP, FIELDS = 2**28, 90
 
 Sums = Float[np.ndarray, "part wave wall member"]
 Functionals = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -43,6 +47,7 @@ class WallWaves:
 
     `rho` and `z` are distances from the axis and axial positions of the places: of the sources,
     whose number is `sources`, then of the targets. Bessel functions are made below `orders`.
+    `part`: which of the waves are meant, from and up to, all unless given.
     """
 
     phase: float
@@ -54,10 +59,28 @@ class WallWaves:
     z: Meridian
     sources: int
     orders: int
+    part: tuple[int, int] | None = None
+
+    def groups(self) -> "tuple[WallWaves, ...]":
+        """The same waves in groups that take little memory each: in thin films there are many.
+
+        What they add at the wall is the sum of what the groups add.
+        """
+        count = self.waves.size
+        most = max(1, GROUP // (FIELDS * 8 * self.rho.size))
+        if count <= most:
+            return (self,)
+        number = -(-count // most)
+        edges = np.linspace(0, count, number + 1).astype(int).tolist()
+        return tuple(replace(self, part=part) for part in pairwise(edges))
 
     @cached_property
     def waves(self) -> Meridian:
         """k, without the uniform wave, 1/r0."""
+        return self._every if self.part is None else self._every[slice(*self.part)]
+
+    @cached_property
+    def _every(self) -> Meridian:
         largest = -np.log(self.tolerance) / (2.0 * self.wall_distance)
         count = int(np.ceil(largest * self.period / (2.0 * np.pi))) + 1
         waves = (2.0 * np.pi * np.arange(-count, count + 1) + self.phase) / self.period
@@ -66,7 +89,8 @@ class WallWaves:
     @property
     def uniform(self) -> bool:
         """Whether k = 0 is among the waves."""
-        return abs(self.phase) / self.period <= UNIFORM
+        first = self.part is None or self.part[0] == 0
+        return first and abs(self.phase) / self.period <= UNIFORM
 
     @cached_property
     def all_waves(self) -> Meridian:

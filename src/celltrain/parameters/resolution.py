@@ -11,7 +11,7 @@ from celltrain.parameters.errors import CaseError
 from celltrain.parameters.section import Real, Section, Whole
 
 #: Least and largest degree of a case.
-LEAST_DEGREE, LARGEST_DEGREE = 6, 48
+LEAST_DEGREE, LARGEST_DEGREE = 6, 64
 #: Default of a size, in words.
 FOLLOWS: JsonDict = {"default": "follows from the degree"}
 

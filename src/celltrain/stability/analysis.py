@@ -47,7 +47,8 @@ def stability(
     **Arguments:**
 
     - `case`: a case, or a steady train of it. The degree of a case that has none rises (12, 16, 20,
-      24, 32, 40, 48) until alpha is known to the accuracy; otherwise it is what it is.
+      24, 32, ... 64; from a higher one on in narrow tubes) until alpha is known to the accuracy;
+      otherwise it is what it is.
     - `start`: a steady train of another case to go on from.
     - `accuracy`: of alpha, relative; where that is less, 1e-4 U/r0 are enough.
     - `azimuthal_numbers`: those to compute, 0 to M; all if not given.

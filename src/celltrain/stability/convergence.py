@@ -17,6 +17,7 @@ from celltrain.steady import Base, NotConverged, steady
 from celltrain.steady.base import IterationProgress
 from celltrain.steady.degree import FEWEST, Convergence, higher, raised, remaining
 from celltrain.steady.solve import at_degree
+from celltrain.steady.ways import first_degree
 
 #: Azimuthal numbers of the modes that matter in nearly all trains; others are added where they
 #: lead.
@@ -114,7 +115,10 @@ class AbscissaLadder:
             return value
 
         return raised(
-            abscissa, lambda found: accurate(found, accuracy), least=LEAST_ERROR * accuracy
+            abscissa,
+            lambda found: accurate(found, accuracy),
+            first=first_degree(self._train),
+            least=LEAST_ERROR * accuracy,
         )
 
     def _with_error(self, degree: int, accuracy: float, tell: Tell) -> Convergence:

@@ -9,7 +9,8 @@ from jaxtyping import Float
 
 from celltrain.harmonics import Profile, profile_of
 from celltrain.parameters import Train
-from celltrain.quantities import Quantity, Record
+from celltrain.quantities import Quantity, Record, quantity
+from celltrain.steady.form import form_of
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,12 @@ class Base(Record):
     def profile(self) -> Profile:
         """The cells' meridian (see `harmonics.profile`)."""
         return profile_of(self.coefficients)
+
+    @property
+    @quantity(Quantity("", "1", "form of a cell in words", words="form"))
+    def form(self) -> str:
+        """Whether a cell is a parachute, a bullet, ... (see `steady.form`)."""
+        return form_of(self.profile)
 
 
 class NotConverged(RuntimeError):

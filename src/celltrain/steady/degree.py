@@ -18,9 +18,10 @@ from itertools import pairwise
 from typing import Annotated
 
 from celltrain.quantities import Quantity
+from celltrain.steady.base import NotConverged
 
 #: The degrees that are tried, one after another.
-DEGREES = (12, 16, 20, 24, 32, 40, 48)
+DEGREES = (12, 16, 20, 24, 32, 40, 48, 56, 64)
 BEST_RATE, WORST_RATE = 0.3, 0.7
 CHANGES = 3
 #: Fewest degrees whose changes tell what is left.
@@ -81,11 +82,26 @@ def raised(
     first: int = DEGREES[0],
     least: float = 0.0,
 ) -> Convergence:
-    """The degree raised from `first` until the values are enough, or there is none higher."""
+    """The degree raised from `first` until the values are enough, or there is none higher.
+
+    Degrees that are too low for there to be a train are passed over; one that fails above others
+    ends the sequence.
+
+    **Raises:** `NotConverged` if there is a value at none; what else `evaluate` raises.
+    """
     degrees: tuple[int, ...] = ()
     values: tuple[float, ...] = ()
-    for degree in (first, *higher(first)):
-        degrees, values = (*degrees, degree), (*values, evaluate(degree))
+    ladder = (first, *higher(first))
+    for degree in ladder:
+        try:
+            value = evaluate(degree)
+        except NotConverged:
+            if values:
+                break
+            if degree == ladder[-1]:
+                raise
+            continue
+        degrees, values = (*degrees, degree), (*values, value)
         found = Convergence(degree, degrees, values, least)
         if len(values) >= FEWEST and enough(found):
             break

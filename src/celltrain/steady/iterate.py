@@ -15,7 +15,7 @@ import numpy as np
 from celltrain.harmonics import Profile
 from celltrain.meridian.geometry import meridian_points
 from celltrain.steady.base import Iteration, IterationProgress
-from celltrain.steady.problem import SteadyProblem, SteadyState, change_of_profile
+from celltrain.steady.problem import Room, SteadyProblem, SteadyState, change_of_profile
 
 FIRST_STEP = 0.3
 # Largest displacement (r0) of a membrane point in one step.
@@ -26,6 +26,9 @@ LARGEST_RISE = 3.0
 # Newton's method takes over when the residual is below this; if it fails the march goes on to a
 # tenth of where it began.
 NEWTON_RESIDUAL = 2e-2
+# A step of the march, and Newton's method as a whole, leave this part at least of a film, and of a
+# thick one as much as of one of this thickness, r0.
+CLOSEST, WIDE = 0.4, 0.2
 # Newton's step is halved at most so often, and must bring this part of the fall that it promises.
 MOST_HALVINGS = 6
 DECREASE = 1e-2
@@ -87,7 +90,8 @@ def march(
         moved = largest_move(problem, change)
         following = None
         if moved < LARGEST_MOVE:
-            following = _after(problem, state, change)
+            least = least_room(problem.room(state.profile))
+            following = _after(problem, state, change, least)
         if following is None or not following.residual < LARGEST_RISE * state.residual:
             step *= 0.5
             if step < SMALLEST_STEP:
@@ -121,6 +125,7 @@ def newton(
         if not problem.fits(profile):
             return Iterated(problem.state(profile), (), "overlap")
         state = problem.state(profile)
+    least = least_room(problem.room(state.profile))
     before = math.inf
     stood = 0
     while True:
@@ -139,7 +144,7 @@ def newton(
         if len(history) >= most:
             return Iterated(state, tuple(history), "iterations")
         before = state.error
-        following = _searched(problem, state)
+        following = _searched(problem, state, least)
         if following is None:
             return Iterated(state, tuple(history), "step")
         history.append(Iteration("newton", state.residual, math.inf, state.cell_velocity))
@@ -148,7 +153,7 @@ def newton(
         state = following
 
 
-def _searched(problem: SteadyProblem, state: SteadyState) -> SteadyState | None:
+def _searched(problem: SteadyProblem, state: SteadyState, least: Room) -> SteadyState | None:
     """The state after Newton's step, cut until it helps; None if it does not."""
     change = state.step(math.inf)
     moved = largest_move(problem, change)
@@ -157,7 +162,7 @@ def _searched(problem: SteadyProblem, state: SteadyState) -> SteadyState | None:
     part = min(1.0, LARGEST_MOVE / moved) if moved > 0.0 else 1.0
     merit = _merit(state)
     for _ in range(MOST_HALVINGS + 1):
-        following = _after(problem, state, part * change, keep_rules=True)
+        following = _after(problem, state, part * change, least, keep_rules=True)
         if following is not None:
             after = _merit(following)
             # Close to the end rounding may raise it.
@@ -173,17 +178,30 @@ def _merit(state: SteadyState) -> float:
 
 
 def _after(
-    problem: SteadyProblem, state: SteadyState, change: np.ndarray, *, keep_rules: bool = False
+    problem: SteadyProblem,
+    state: SteadyState,
+    change: np.ndarray,
+    least: Room,
+    *,
+    keep_rules: bool = False,
 ) -> SteadyState | None:
-    """The state after a change; None if cells would overlap or nothing can be computed."""
+    """The state after a change; None if it leaves less than the least room or is no number."""
     profile = problem.moved(state.profile, change)
-    if not problem.fits(profile):
+    if (problem.room(profile) < least).any() or not problem.fits(profile):
         return None
     own = problem.rules(profile)
     if keep_rules and state.flow.rules.covers(own):
         own = state.flow.rules
     following = problem.state(profile, own)
     return following if math.isfinite(following.residual) else None
+
+
+def least_room(room: Room) -> Room:
+    """How close to the wall and to each other cells may come from where they are.
+
+    Where they nearly touch a velocity is dear, and leads nowhere.
+    """
+    return CLOSEST * np.minimum(room, WIDE)
 
 
 def largest_move(problem: SteadyProblem, change: np.ndarray) -> float:

@@ -2,9 +2,11 @@
 
 All numbers in which two cases differ change together, in geometric proportion where both are
 positive. The guess for the next train is extrapolated from the last two, and corrected by Newton's
-method; a step that fails is halved, one that took few corrections is followed by a longer one.
+method; a step that fails is halved, one that took few corrections is followed by a longer one. A
+path ends early where its degree no longer follows the shapes, if it is told how to see that.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +15,7 @@ from jaxtyping import Float
 from celltrain.harmonics import Profile
 from celltrain.parameters import Train
 from celltrain.steady.base import Iteration, IterationProgress
-from celltrain.steady.iterate import Iterated, newton
+from celltrain.steady.iterate import Iterated, least_room, newton
 from celltrain.steady.problem import SteadyProblem
 
 #: Shortest step, as a part of the whole path.
@@ -41,12 +43,15 @@ def follow(
     tolerance: float,
     most: int,
     first: float = 1.0,
+    smallest: float = SMALLEST_PART,
+    rough: float = math.inf,
     progress: IterationProgress | None = None,
 ) -> Followed:
     """The steady train of `end`, from that of `begin` with the given profile.
 
-    **Arguments:** `tolerance`: bound on the residual; `most`: iterations in all; `first`: the first
-    step, as a part of the path.
+    **Arguments:** `tolerance`: bound on the residual; `most`: iterations in all; `first`,
+    `smallest`: the first and the shortest step, as parts of the path; `rough`: the truncation
+    error, U, above which a train on the way ends it.
 
     **Raises:** `CaseError` if a case on the way is not allowed.
     """
@@ -55,11 +60,14 @@ def follow(
     known = [(0.0, profile - at.rest)]
     history: list[Iteration] = []
     reached: tuple[SteadyProblem, Iterated] | None = None
-    place, part = 0.0, first
+    place, part, room = 0.0, first, at.room(profile)
     while True:
         following = min(1.0, place + part)
         problem = SteadyProblem(between(begin, end, following))
         guess = change_degree(_extrapolated(known, following), problem.degree) + problem.rest
+        if (problem.room(guess) < least_room(room)).any() and part >= smallest:
+            part *= 0.5
+            continue
         found = newton(
             problem,
             guess,
@@ -71,12 +79,14 @@ def follow(
         if found.steady:
             reached = problem, found
             place = following
+            room = problem.room(found.state.profile)
             known = [*known[-1:], (place, found.state.profile - problem.rest)]
             if len(found.history) <= FEW_CORRECTIONS:
                 part *= 2.0
         else:
             part *= 0.5
-        if place == 1.0 or part < SMALLEST_PART or len(history) >= most:
+        coarse = found.steady and found.state.truncation_error > rough
+        if place == 1.0 or coarse or part < smallest or len(history) >= most:
             problem, found = reached or (problem, found)
             whole = Iterated(found.state, tuple(history), found.outcome)
             return Followed(problem, whole, place == 1.0)

@@ -25,6 +25,8 @@ from celltrain.parameters import Train
 from celltrain.proximity.meridian import streamwise_gap
 
 Unknowns = Float[np.ndarray, " unknown"]
+#: Distance from the wall, and from the next cell along the tube.
+Room = Float[np.ndarray, " 2"]
 
 
 @dataclass(frozen=True)
@@ -117,11 +119,12 @@ class SteadyProblem:
     def fits(self, profile: Profile) -> bool:
         """Whether a cell of this shape is clear of the wall and of its neighbours."""
         # NaN does not fit.
-        return bool(
-            largest_radius(profile) < self.train.radius
-            and streamwise_gap(profile, self.train.period) > 0.0
-            and self.rules(profile).possible
-        )
+        return bool((self.room(profile) > 0.0).all() and self.rules(profile).possible)
+
+    def room(self, profile: Profile) -> Room:
+        """Distance from the wall and from the next cell along the tube, r0."""
+        beside = self.train.radius - largest_radius(profile)
+        return np.array([beside, streamwise_gap(profile, self.train.period)])
 
     def flow(self, profile: Profile, rules: Rules | None = None) -> TrainFlow:
         """The flow about a shape; with its own rules unless others are given."""

@@ -4,6 +4,7 @@ The branch is the one that the flow reaches from rest; `ways` has the ways to it
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +20,7 @@ from celltrain.steady.iterate import Iterated, newton
 from celltrain.steady.path import Followed
 from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.room import check_room
-from celltrain.steady.ways import Ways, describe_change
+from celltrain.steady.ways import Ways, describe_change, first_degree
 
 TOLERANCE = 1e-9
 MOST_ITERATIONS = 400
@@ -69,7 +70,7 @@ def steady(
         base = describe(followed.problem, followed.iterated, origin)
     base = replace(base, seconds=seconds)
     if not followed.complete:
-        raise NotConverged(_complaint(train, followed, tolerance, max_iterations), base)
+        raise NotConverged(_complaint(train, ways.tried, tolerance, max_iterations), base)
     return with_velocity_error(base) if estimate_error else base
 
 
@@ -99,7 +100,7 @@ def _at_enough_degrees(
             )
         return bases[-1].cell_velocity
 
-    raised(velocity, lambda found: found.left <= KNOWN_VELOCITY)
+    raised(velocity, lambda found: found.left <= KNOWN_VELOCITY, first=first_degree(train))
     return bases[-1]
 
 
@@ -165,17 +166,27 @@ def describe(problem: SteadyProblem, iterated: Iterated, origin: str) -> Base:
     )
 
 
-def _complaint(train: Train, followed: Followed, tolerance: float, most: int) -> str:
-    iterated = followed.iterated
-    reason = {
+def _complaint(
+    train: Train, tried: Sequence[tuple[str, Followed]], tolerance: float, most: int
+) -> str:
+    """Why there is no train, and what was tried."""
+    _, last = tried[-1]
+    iterations = max(len(found.iterated.history) for _, found in tried)
+    reasons = {
         "iterations": f"{most} iterations were not enough",
         "step": "no shorter step leads on",
         "overlap": "the cells overlap each other or the wall",
         "no number": "the residual is NaN",
-    }.get(iterated.outcome, "a way through other parameters ended")
-    where = describe_change(followed.problem.train, train)
-    reached = "" if followed.problem.train == train else f"; reached on the way: {where}"
+    }
+    reason = reasons.get(last.iterated.outcome, "a way through other parameters ended")
+    ways = "; ".join(f"{how}, up to {_place(found, train)}" for how, found in tried)
     return (
-        f"no steady train: {reason} (iteration {len(iterated.history)}, residual"
-        f" {iterated.state.residual:.2e} U, wanted {tolerance:.0e} U){reached}"
+        f"no steady train: {reason} (residual {last.iterated.state.residual:.2e} U, wanted"
+        f" {tolerance:.0e} U, {iterations} iterations); tried: {ways}"
     )
+
+
+def _place(followed: Followed, train: Train) -> str:
+    """Where a way has ended."""
+    where = followed.problem.train
+    return "the case itself" if where == train else describe_change(where, train)

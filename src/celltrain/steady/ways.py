@@ -2,13 +2,15 @@
 
 From rest: the march, at a low degree, and the degree raised. Where the cell at rest has no room, or
 the march leads nowhere, the same branch from a case that is easier, a wider tube with more room
-between the cells: followed at the low degree, or, where that is too low for what it leads to, at
-the degree itself. From another train: along a path of parameters at its own degree, or at the one
-that is wanted, or from rest after all.
+between the cells, and, where that leads nowhere, in a flow of moderate strength, which is changed
+at the end. On such a way the degree rises as the shapes ask for it: where what it leaves out of the
+velocity is too much, or no step leads on. From another train: along a path of parameters in the
+same manner, or at the degree that is wanted, or from rest after all.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 from celltrain.harmonics import Profile
 from celltrain.meridian.geometry import size_at_rest
@@ -17,7 +19,7 @@ from celltrain.proximity.meridian import clearance
 from celltrain.steady.base import Iteration, IterationProgress
 from celltrain.steady.degree import DEGREES
 from celltrain.steady.iterate import ROUNDING, Iterated, march, newton
-from celltrain.steady.path import Followed, change_degree, follow
+from celltrain.steady.path import SMALLEST_PART, Followed, change_degree, follow
 from celltrain.steady.problem import SteadyProblem
 
 #: The march from rest is of this degree at most.
@@ -28,73 +30,74 @@ ROOM = 0.1
 EASY_DIAMETER, EASY_PERIOD = 1.5, 2.0
 # The first step of a detour, as a part of it.
 FIRST_PART = 0.125
+# What a degree may leave out of the velocity (U) on the way to a train of a higher one, and the
+# shortest step, as a part of the way, before a higher one is tried.
+ROUGH, COARSE_PART = 1e-2, 1.0 / 32.0
+# How the first of rising degrees follows the cell's diameter at rest over the tube's.
+FOLDING = 1.5
+# The strength of a flow in which narrow tubes are easily reached, and how much stronger or weaker
+# another one is before the way goes through it.
+MODERATE, MODERATE_RANGE = 0.3, 2.0
+
+#: A way to a train, and how it is called.
+Way = tuple[str, Callable[[], Followed]]
 
 
 @dataclass
 class Ways:
-    """How many iterations are left for the ways to a train, to which tolerance (U)."""
+    """How many iterations are left for the ways to a train, to which tolerance (U).
+
+    `tried` is every way that was tried, with where it ended.
+    """
 
     tolerance: float
     left: int
     progress: IterationProgress | None
+    tried: list[tuple[str, Followed]] = field(default_factory=list)
 
     def from_rest(self, train: Train) -> tuple[Followed, str]:
         """The train that the flow reaches from rest, or where the last way has ended; and how."""
-        low = train.changed(degree=min(train.degree, MARCH_DEGREE), **_no_sizes())
         rest = "march from the resting shape"
-        easy = easier(train)
-        detour = rest if easy is None else f"{rest} with {describe_change(easy, train)}"
-
-        def directly() -> Followed:
-            return self._raised(self._march(low), train)
-
-        def low_detour() -> Followed:
-            return self._raised(self._along(self._march(easier(low) or low), low), train)
-
-        def detour_at_degree() -> Followed:
-            begin = easy or train
-            return self._along(self._raised(self._march(easier(low) or low), begin), train)
-
-        ways: list[tuple[Callable[[], Followed], str]] = []
-        if _has_room(low):
-            ways.append((directly, rest))
+        easy, moderate = easier(train), of_moderate_strength(train)
+        ways: list[Way] = []
+        if easy is None or _has_room(_at_march_degree(train)):
+            ways.append((rest, lambda: self._raised(self._marched(train), train)))
         if easy is not None:
-            ways.append((low_detour, detour))
-            if low.degree != train.degree:
-                ways.append((detour_at_degree, detour))
-        return self._first(ways or [(directly, rest)])
+            how = f"{rest} with {describe_change(easy, train)}"
+            ways.append((how, lambda: self._rising(self._eased(easy, train), train)))
+        if moderate is not None:
+            begin = easier(moderate) or moderate
+            how = f"{rest} with {describe_change(begin, train)}"
+            ways.append((how, lambda: self._rising(self._eased(begin, train), moderate, train)))
+        return self._first(ways)
 
     def from_train(self, begin: Train, profile: Profile, train: Train) -> tuple[Followed, str]:
         """The train that continues another one, or where the last way has ended; and how."""
         origin = f"continuation from {describe_change(begin, train)}"
-        same = train
-        if begin.degree != train.degree:
-            same = train.changed(degree=begin.degree, **_no_sizes())
 
         def start() -> Followed:
             return self._begun(begin, profile)
 
-        ways: list[tuple[Callable[[], Followed], str]] = [
-            (lambda: self._raised(self._along(start(), same), train), origin)
-        ]
+        ways: list[Way] = [(origin, lambda: self._rising(start(), train))]
         if begin.degree != train.degree:
             at_degree = begin.changed(degree=train.degree, **_no_sizes())
-            ways.append((lambda: self._along(self._raised(start(), at_degree), train), origin))
+            way = f"{origin}, at degree {train.degree} from the beginning"
+            ways.append((way, lambda: self._along(self._raised(start(), at_degree), train)))
         found, origin = self._first(ways)
         if found.complete or self.left <= 0:
             return found, origin
         again, way = self.from_rest(train)
         return _joined(found, again), way
 
-    def _first(self, ways: list[tuple[Callable[[], Followed], str]]) -> tuple[Followed, str]:
+    def _first(self, ways: Sequence[Way]) -> tuple[Followed, str]:
         """The first way that leads to the train."""
         before: Followed | None = None
         origin = ""
-        for way, how in ways:
+        for origin, way in ways:
             found = way()
             before = found if before is None else _joined(before, found)
-            origin = how
-            if before.complete or self.left <= 0:
+            self.tried.append((origin, found))
+            if found.complete or self.left <= 0:
                 break
         assert before is not None
         return before, origin
@@ -119,8 +122,48 @@ class Ways:
         )
         return self._counted(Followed(problem, found, found.steady))
 
-    def _along(self, begun: Followed, end: Train) -> Followed:
-        """Along the path of parameters to another train of the same degree."""
+    def _marched(self, train: Train) -> Followed:
+        """From rest, at the degree of marches."""
+        return self._march(_at_march_degree(train))
+
+    def _eased(self, easy: Train, train: Train) -> Followed:
+        """An easier case from rest, at the degree at which to begin the way to the other."""
+        begin = min(first_degree(train), train.degree)
+        return self._raised(self._marched(easy), easy.changed(degree=begin, **_no_sizes()))
+
+    def _rising(self, begun: Followed, *ends: Train) -> Followed:
+        """Along paths of parameters from train to train, at a degree that rises as shapes ask."""
+        here = begun
+        for end in ends:
+            here = self._risen(here, end)
+        return here
+
+    def _risen(self, begun: Followed, end: Train) -> Followed:
+        here = begun
+        while here.complete:
+            degree = here.problem.degree
+            highest = degree >= end.degree
+            goal = end if degree == end.degree else end.changed(degree=degree, **_no_sizes())
+            found = self._along(here, goal, coarse=not highest)
+            if found.complete:
+                return self._raised(found, end)
+            if highest or self.left <= 0:
+                return found
+            history = found.iterated.history
+            if not found.iterated.steady:
+                # The first step has failed.
+                found = here
+            reached = replace(found.iterated, history=history)
+            higher = min(next(each for each in DEGREES if each > degree), end.degree)
+            finer = found.problem.train.changed(degree=higher, **_no_sizes())
+            here = self._raised(Followed(found.problem, reached, True), finer)
+        return here
+
+    def _along(self, begun: Followed, end: Train, *, coarse: bool = False) -> Followed:
+        """Along the path of parameters to another train of the same degree.
+
+        **Arguments:** `coarse`: whether there are higher degrees for where this one does not do.
+        """
         begin = begun.problem.train
         if not begun.complete:
             return begun
@@ -135,6 +178,8 @@ class Ways:
             tolerance=self.tolerance,
             most=self.left,
             first=FIRST_PART if begun.iterated.history else 1.0,
+            smallest=COARSE_PART if coarse else SMALLEST_PART,
+            rough=ROUGH if coarse else math.inf,
             progress=self.progress,
         )
         return _joined(begun, self._counted(followed))
@@ -184,6 +229,25 @@ def easier(train: Train) -> Train | None:
     return train.changed(diameter=wide, packing=sparse)
 
 
+def first_degree(train: Train) -> int:
+    """The degree at which to begin where the degree is left open.
+
+    The narrower a tube is beside the resting cell the more a cell is folded in it, and the sharper
+    its edges are: lower degrees have other trains in narrow tubes, or none.
+    """
+    diameter, _ = size_at_rest(SteadyProblem(_at_march_degree(train.changed(degree=24))).rest)
+    folded = max(diameter / train.tube.diameter, 1.0) ** FOLDING
+    return min((each for each in DEGREES if each >= DEGREES[0] * folded), default=DEGREES[-1])
+
+
+def of_moderate_strength(train: Train) -> Train | None:
+    """The case in a flow of moderate strength; None if its own is nearly that."""
+    strength = train.cell.capillary_number
+    if MODERATE / MODERATE_RANGE <= strength <= MODERATE * MODERATE_RANGE:
+        return None
+    return train.changed(capillary_number=MODERATE)
+
+
 def describe_change(old: Train, new: Train) -> str:
     """The leaves in which two trains differ, with the old values: "packing = 0.2"."""
     before, after = old.leaves(), new.leaves()
@@ -211,6 +275,10 @@ def _degrees_between(begin: Train, end: Train) -> Iterator[Train]:
         if begin.degree < degree < end.degree:
             yield begin.changed(degree=degree)
     yield end
+
+
+def _at_march_degree(train: Train) -> Train:
+    return train.changed(degree=min(train.degree, MARCH_DEGREE), **_no_sizes())
 
 
 def _no_sizes() -> dict[str, None]:
