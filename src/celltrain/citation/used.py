@@ -20,7 +20,6 @@ KINDS = {
     "pseudospectrum": (*DYNAMICS, "stability.pseudospectrum"),
     "sensitivity": (*DYNAMICS, "stability.adjoint"),
     "streamlines": (*STEADY, *THREE_DIMENSIONS),
-    "sample": (*DYNAMICS, "study.sampling"),
     "simulation": (*DYNAMICS, *THREE_DIMENSIONS, "evolution"),
 }
 #: For what depends on the case: its source's key, and whether a case uses it.
