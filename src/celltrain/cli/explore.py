@@ -1,7 +1,7 @@
 """The command that opens the explorer: ``celltrain explore``."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 from cyclopts import Parameter
 from rich.console import Console
@@ -49,7 +49,7 @@ def explore(
     port: Port = None,
     token: Token = None,
     quiet: Quiet = False,
-) -> int:
+) -> NoReturn:
     """Open a train in the browser: sliders, the cells in three dimensions, spectrum and modes."""
     check_installed("explore")
     if port is not None and not 0 <= port <= 65535:
@@ -72,8 +72,6 @@ def explore(
         served = serve(make_app(what, engine), host=host, port=port, token=token, query=query)
         reporter.log("Ctrl-C ends it")
     Keeper(errors, quiet=quiet).show(lambda: print(served.address))
-    try:
-        served.run(browser=browser)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("the page has ended") from None
-    return 0
+    # It ends by being interrupted, which the server keeps to itself.
+    served.run(browser=browser)
+    raise KeyboardInterrupt("the page has ended")

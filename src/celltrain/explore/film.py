@@ -44,7 +44,8 @@ def film_of(
     error = rounding_error(shapes, step)
     words = (
         f"Simulation of {shapes.shape[1]} cells, {len(times)} frames until t ="
-        f" {times[-1]:.4g} r₀/U: {ending}." + (f" Drawn to {error:.0e} r₀." if error > 1e-3 else "")
+        f" {times[-1]:.4g} r₀/U: {ending.replace('r0', 'r₀')}."
+        + (f" Drawn to {error:.0e} r₀." if error > 1e-3 else "")
     )
     return {
         "times": [float(f"{time:.6g}") for time in times],
