@@ -144,6 +144,8 @@ def test_a_coarse_answer_is_that_of_its_degree_and_follows_neighbours() -> None:
     assert "from rest" not in near.base.origin
     shown = report(near, PLAIN)
     assert shown["degree"] == 8
+    words = {each["name"]: each["value"] for each in shown["rows"]}
+    assert words["form"] == near.base.form
     [alpha] = [each for each in shown["rows"] if each["name"] == "growth rate α"]
     assert float(alpha["value"]) == pytest.approx(near.result.spectral_abscissa, rel=1e-5)
 

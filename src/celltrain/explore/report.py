@@ -70,10 +70,14 @@ def _of_base(base: Base, reading: Reading) -> list[Row]:
         found.append({"name": "capillary number", "value": capillary, "error": "", "unit": ""})
     for name, form in FORMATS.items():
         known = quantity_of(Base, name)
+        words = known.words.replace("cell velocity", "velocity of the cells")
+        value = getattr(base, name)
+        if isinstance(value, str):
+            found.append({"name": words, "value": value, "error": "", "unit": ""})
+            continue
         factor, unit = reading.of(known.meaning.unit)
         error = base.velocity_error * base.cell_velocity if name == "cell_velocity" else math.nan
-        value = getattr(base, name) * factor
-        words = known.words.replace("cell velocity", "velocity of the cells")
+        value *= factor
         if form.endswith("e"):
             found.append({"name": words, "value": f"{value:{form}}", "error": "", "unit": unit})
         else:
