@@ -11,7 +11,7 @@ the mean velocity, viscosities in that of the plasma.
 Reference. Pries, Neuhaus and Gaehtgens, Am. J. Physiol. 263, H1770 (1992), for the viscosity of
 blood in tubes of glass; lubrication theory as in `celltrain.diagnostics.lubrication`.
 
-Run time. Half a minute.
+Run time. A minute and a half: the degree rises to 64.
 
 Command. ``python examples/capillary.py``
 """
