@@ -149,8 +149,8 @@ cost more than a train on the axis, which is the least resistance that the same 
 tubes of 4 um the film decides, and with it what is not the same in the measured blood: cells differ
 in volume and area, and of two cells the larger one has the thinner film, while viscosity goes as
 one over the film; what a tube's diameter being {OFF:g} um off makes of the law is in its range. In
-tubes of 6 and 7 um the speed is part of it: films grow with it, and at 2.875 mm/s trains are 5 % to 9 % above
-the law at 7 um up to a packing of 0.5 ([that page](haematocrit.md)), 6 % to 14 % here; the law is
+tubes of 6 and 7 um the speed is part of it: films grow with it, and at 2.875 mm/s trains are 5 % to
+9 % above the law at 7 um up to a packing of 0.5 ([that page](haematocrit.md)), 6 % to 14 % here; the law is
 one of fast flow and does not have the speed.
 Nothing in the trains is fitted.
 """
@@ -303,8 +303,8 @@ disc's, is too long around: it is compressed around the axis and folds lengthwis
 at rates that no tilt comes near. An axisymmetric cell is there a state that a real cell does not
 keep; its viscosity and film are those of the unfolded shape. The folds are the membrane's finest
 pattern and the last that a degree has: the rates are right to a factor of two there, and what is
-sure of them is the sign (`examples/capillary.py`, 5 um, packing 0.2: 1.72 at M = 24, 1.31 at 32, 1.19
-at 40, 1.14 at 56, 1.13 at 64)."""
+sure of them is the sign (`examples/capillary.py`, 5 um, packing 0.2: 1.72 at M = 24, 1.31 at
+32, 1.19 at 40, 1.14 at 56, 1.13 at 64)."""
     )
 
 
