@@ -150,8 +150,8 @@ tubes of 4 um the film decides, and with it what is not the same in the measured
 in volume and area, and of two cells the larger one has the thinner film, while viscosity goes as
 one over the film; what a tube's diameter being {OFF:g} um off makes of the law is in its range. In
 tubes of 6 and 7 um the speed is part of it: films grow with it, and at 2.875 mm/s trains are 5 % to
-9 % above the law at 7 um up to a packing of 0.5 ([that page](haematocrit.md)), 6 % to 14 % here; the law is
-one of fast flow and does not have the speed.
+9 % above the law at 7 um up to a packing of 0.5 ([that page](haematocrit.md)), 6 % to 14 % here;
+the law is one of fast flow and does not have the speed.
 Nothing in the trains is fitted.
 """
 
