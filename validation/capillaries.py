@@ -303,8 +303,8 @@ disc's, is too long around: it is compressed around the axis and folds lengthwis
 at rates that no tilt comes near. An axisymmetric cell is there a state that a real cell does not
 keep; its viscosity and film are those of the unfolded shape. The folds are the membrane's finest
 pattern and the last that a degree has: the rates are right to a factor of two there, and what is
-sure of them is the sign (`examples/capillary.py`, 5 um, packing 0.2: 1.72 at M = 24, 1.31 at 32,
-1.19 at 40, 1.14 at 56, 1.13 at 64)."""
+sure of them is the sign (`examples/capillary.py`, 5 um, packing 0.2: 1.72 at M = 24, 1.31 at
+32, 1.19 at 40, 1.14 at 56, 1.13 at 64)."""
     )
 
 
