@@ -190,6 +190,13 @@ def test_outputs_that_cannot_be_written(redirect: str, status: int, said: str) -
     )
 
 
+def test_a_backend_of_matplotlib_that_is_none_does_not_matter() -> None:
+    ended = command(["evolve", "--until", " "], "", MPLBACKEND="nonsense")
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("celltrain: Invalid value for --until")
+    assert ended.stderr.endswith(" into float; allowed: a number\n")
+
+
 @pytest.mark.parametrize("home", ["", "/proc/nowhere"])
 def test_without_a_home_to_write_to(home: str) -> None:
     program = "import celltrain.cli.computations, celltrain.meridian.bessel, matplotlib.figure"

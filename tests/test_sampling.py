@@ -167,7 +167,10 @@ def test_without_indices_a_point_is_a_train() -> None:
         ({"sample": {"points": 65536}}, ["65536 points with 4 trains", "at most 100000 trains"]),
         ({"sample": {"seed": -1}}, ["seed = -1", ">= 0"]),
         ({"samples": {}}, ["'samples'", "distributions, sample, compute"]),
-        ({"distributions": {}}, ["at least one parameter in [distributions]"]),
+        (
+            {"distributions": {}},
+            ["[distributions] has no parameter; allowed: at least one"],
+        ),
         ({"distributions": []}, ["[distributions] is a section"]),
         ({"compute": {"analyses": []}}, ["'analyses'", "azimuthal_numbers"]),
         ({"compute": {"azimuthal_numbers": [7]}}, ["azimuthal_numbers = 7", "0 to the degree, 6"]),

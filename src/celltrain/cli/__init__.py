@@ -20,6 +20,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     if arguments is None:
         prepare_streams()
+        # No window is opened, and Matplotlib ends with an error for a name that it does not know.
+        os.environ["MPLBACKEND"] = "agg"
     with Interrupts() as interrupts:
         try:
             from celltrain.cli.app import run  # takes long

@@ -12,7 +12,7 @@ Commands are imported when they are run, so that help and bad input need not wai
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CoercionError, CycloptsError
 from rich.console import Console
 
 from celltrain.cli.failure import CommandFailed, reason
@@ -78,6 +78,16 @@ for name, (place, line) in COMMANDS.items():
     app.command(f"celltrain.cli.{place}", name=name, help=line)
 
 
+def _words(error: Exception) -> str:
+    """What is said of bad input, with what is allowed."""
+    numbers = {"float": "a number", "int": "a whole number"}
+    if isinstance(error, CoercionError) and error.msg is None:
+        for kind, allowed in numbers.items():
+            if (text := str(error)).endswith(f" into {kind}."):
+                return f"{text[:-1]}; allowed: {allowed}"
+    return str(error)
+
+
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line (``sys.argv`` unless given) and return the exit status.
 
@@ -90,7 +100,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     try:
         status = app(arguments, exit_on_error=False, print_error=False)
     except (CaseError, CycloptsError) as error:
-        errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
+        errors.print(f"celltrain: {_words(error)}", markup=False, highlight=False, soft_wrap=True)
         return ExitStatus.BAD_INPUT
     except CommandFailed as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)

@@ -7,7 +7,6 @@ from typing import Annotated
 import numpy as np
 import scipy.integrate
 from jaxtyping import Bool, Float
-from matplotlib.path import Path as Outline
 
 from celltrain.meridian.geometry import meridian_points
 from celltrain.parameters import CaseError
@@ -142,6 +141,8 @@ def inside_cells(
     axial: Float[np.ndarray, "*points"],
 ) -> Bool[np.ndarray, "*points"]:
     """Which points of a half plane through the axis lie inside a cell, neighbours included."""
+    from matplotlib.path import Path as Outline  # takes long
+
     half = np.stack(meridian_points(base.profile), axis=-1)
     # With its mirror image, so that the axis is no edge.
     outline = Outline(np.concatenate([half, half[::-1] * [-1.0, 1.0]]))

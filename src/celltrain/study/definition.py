@@ -157,7 +157,7 @@ def make_study(content: Mapping[str, Any]) -> Study:
     fixed = flatten(parts["case"], SI_LEAVES if units == "SI" else LEAVES)
     axes = tuple(_axis(name, given, fixed, units) for name, given in parts["axes"].items())
     if not axes:
-        raise CaseError("a study has at least one parameter in [axes]; none is given")
+        raise CaseError("[axes] has no parameter; allowed: at least one, with its values")
     count = int(np.prod([len(axis.values) for axis in axes], dtype=float))
     if count > MOST_CASES:
         raise CaseError(f"a study of {count} cases is not allowed; allowed: at most {MOST_CASES}")
