@@ -157,7 +157,7 @@ def test_the_degree_may_be_an_axis_or_left_open() -> None:
     ("change", "parts"),
     [
         ({"axis": {}}, ["'axis'", "title, units, unusual, case, axes, compute"]),
-        ({"axes": {}}, ["at least one parameter"]),
+        ({"axes": {}}, ["[axes] has no parameter", "at least one"]),
         ({"axes": {"diamter": [6]}}, ["diamter", "did you mean diameter"]),
         ({"axes": {"tube": [6]}}, ["axis tube is a section", "diameter"]),
         ({"axes": {"diameter": [6], "cells": [2]}}, ["cells is given twice"]),

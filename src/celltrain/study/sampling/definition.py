@@ -184,9 +184,7 @@ def make_sampled_study(content: Mapping[str, object]) -> SampledStudy:
     # In an order of their own: the one in the file changes no point.
     names = tuple(sorted(given))
     if not names:
-        raise CaseError(
-            "no parameter is given in [distributions]; allowed: at least one, with its distribution"
-        )
+        raise CaseError("[distributions] has no parameter; allowed: at least one")
     distributions, central = _distributions(case, {n: given[n] for n in names}, settings)
     check_linearisable(central, computed.azimuthal_numbers)
     each = len(matrices(names, indices=drawn.indices))
