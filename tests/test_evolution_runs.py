@@ -27,7 +27,6 @@ from celltrain.evolution import (
     RungeKuttaChebyshev,
     Status,
     evolve,
-    march,
     resume,
 )
 from celltrain.evolution.dynamics import Dynamics
@@ -253,9 +252,10 @@ def test_reasons_to_stop(single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert run.times.tolist() == [0.0]
 
     with monkeypatch.context() as patched:
-        # At the beginning and after two steps all is well; then even the shortest step is too long.
-        met = chain([()] * 3, repeat(["cell 0 and cell 1 overlap"]))
-        patched.setattr(march, "overlaps", lambda shapes, **_: next(met))
+        # Of the train, at the beginning and after two steps all is well; then even the shortest
+        # step is too long.
+        met = chain([()] * 4, repeat(["cell 0 and cell 1 overlap"]))
+        patched.setattr(Dynamics, "overlaps", lambda self, shapes: next(met))
         run = evolve(single, DISTURBANCE, degree=6, until=1.0, path=tmp_path / "run.nc")
     assert run.ending.kind == "overlap"
     assert "cell 0 and cell 1 overlap" in run.ending.message
@@ -263,8 +263,8 @@ def test_reasons_to_stop(single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert run.history["size"][-1] < 1e-3
 
     with monkeypatch.context() as patched:
-        met = chain([()] * 2, [["cell 0 and cell 1 overlap"]], repeat(()))
-        patched.setattr(march, "overlaps", lambda shapes, **_: next(met))
+        met = chain([()] * 3, [["cell 0 and cell 1 overlap"]], repeat(()))
+        patched.setattr(Dynamics, "overlaps", lambda self, shapes: next(met))
         again = evolve(single, DISTURBANCE, degree=6, until=1.0, most_steps=3)
     assert again.ending.kind == "steps"
     assert again.work.rejected == 1

@@ -227,5 +227,5 @@ def test_a_cell_that_has_no_room_at_rest_has_it_in_the_flow() -> None:
 
 def test_cells_that_find_no_room_say_how_far_they_came() -> None:
     thick = Train(diameter=8, packing=0.7, degree=6, reduced_volume=0.95)
-    with pytest.raises(NotConverged, match=r"reached on the way: packing = 0\.5"):
+    with pytest.raises(NotConverged, match=r"up to packing = 0\.5"):
         steady(thick)

@@ -55,7 +55,7 @@ OTHERS = {
     ),
     "sweep": (
         "sweep:sweep",
-        "Run or resume a study: the stability of trains over ranges of their parameters.",
+        "Run or resume a study: trains over ranges or distributions of parameters.",
     ),
 }
 #: Every command: its function, and its line of help.

@@ -47,7 +47,7 @@ def sweep(
     json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Run or resume a study: the stability of trains over ranges or distributions of parameters.
+    """Run or resume a study: trains over ranges or distributions of parameters.
 
     Exit status 3 if cases failed; the table says why.
     """

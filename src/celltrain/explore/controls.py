@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from celltrain.parameters import CaseError, Train, merge_case
 from celltrain.parameters.dimension import BENDING_MODULUS, LENGTH, SURFACE_MODULUS, Dimension
 from celltrain.parameters.fields import allowed_values, plain_type
-from celltrain.parameters.routing import DIMENSIONS, TAKEN
+from celltrain.parameters.routing import DIMENSIONS, KEPT, TAKEN
 from celltrain.parameters.scales import REFERENCE, Scales
+from celltrain.parameters.strength import MODULI
 from celltrain.parameters.train import Units
 
 #: The reduced volume of a cell whose case gives none: the healthy one's.
@@ -89,6 +90,12 @@ class Control:
         return self.least * scale, self.most * scale
 
 
+def _words(name: str) -> str:
+    return name.replace("_", " ").capitalize()
+
+
+#: A modulus may be moved to this many times the usual one, and to that part of it.
+SPAN = 20.0
 VELOCITY = Control("mean_velocity", "Mean velocity", 0.1, 50.0, logarithmic=True)
 #: What may be moved, in the order in which it is shown; the number of cells is apart.
 CONTROLS = (
@@ -96,9 +103,11 @@ CONTROLS = (
     Control("packing", "Packing", 0.05, 0.9),
     Control("capillary_number", "Capillary number", 0.03, 15.0, logarithmic=True),
     Control("viscosity_ratio", "Viscosity ratio", 0.2, 20.0, logarithmic=True),
-    Control("shear_modulus", "Shear modulus", 0.06, 25.0, logarithmic=True),
-    Control("dilatation_modulus", "Dilatation modulus", 1.0, 400.0, logarithmic=True),
-    Control("bending_modulus", "Bending modulus", 3e-4, 0.15, logarithmic=True),
+    *(
+        Control(name, _words(name), usual / SPAN, usual * SPAN, logarithmic=True)
+        for name in MODULI
+        if (usual := KEPT[name].default) > 0.0
+    ),
     Control("reduced_volume", "Reduced volume", 0.5, 1.0),
 )
 #: Most cells of the slider.
