@@ -10,6 +10,7 @@ import pytest
 
 from celltrain.cli import main
 from celltrain.parameters import CaseError, load_case, merge_case, read_case, relative_volume
+from celltrain.results import save
 from celltrain.study import read_study
 
 CASE = ["case", "--diameter", "6", "--packing", "0.2"]
@@ -190,8 +191,15 @@ def test_outputs_that_cannot_be_written(redirect: str, status: int, said: str) -
     )
 
 
-def test_a_backend_of_matplotlib_that_is_none_does_not_matter() -> None:
-    ended = command(["evolve", "--until", " "], "", MPLBACKEND="nonsense")
+def test_a_backend_of_matplotlib_that_is_none_does_not_matter(make_base, tmp_path: Path) -> None:
+    path = save(make_base(), tmp_path / "base.nc")
+    ended = command(["plot", str(path), "--quiet"], MPLBACKEND="nonsense")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert all(Path(line).is_file() for line in ended.stdout.splitlines())
+
+
+def test_what_is_no_number_is_told_what_is_allowed() -> None:
+    ended = command(["evolve", "--until", " "])
     assert ended.returncode == 2
     assert ended.stderr.startswith("celltrain: Invalid value for --until")
     assert ended.stderr.endswith(" into float; allowed: a number\n")

@@ -15,6 +15,7 @@ from rich.console import Console
 
 from celltrain import load, show
 from celltrain.contract import kinds, presentation
+from celltrain.contract.tables import verdict_line
 from celltrain.quantities import Quantity, Record, equal, quantities, quantity_of
 from celltrain.quantities.fields import hints
 from celltrain.results import from_dataset, save, summary, to_dataset
@@ -309,6 +310,14 @@ def test_verdict_of_an_unstable_train(make_stability: Callable[..., Stability]) 
     assert words.startswith("unstable")
     assert "over 177 r0" in words
     assert "tilts all cells alike (m = 1, q = 0)" in words
+
+
+def test_only_a_stable_train_is_green() -> None:
+    colors = {"marginally stable": "green", "unstable": "red", "not resolved": "red"}
+    for head, color in colors.items():
+        line = verdict_line(f"{head}: why")
+        assert line.plain == f"{head[0].upper()}{head[1:]}: why"
+        assert [str(span.style) for span in line.spans] == [f"bold {color}"]
 
 
 @pytest.mark.parametrize(
