@@ -31,6 +31,8 @@ NEWTON_RESIDUAL = 2e-2
 CLOSEST, WIDE = 0.4, 0.2
 # Newton's step is halved at most so often, and must bring this part of the fall that it promises.
 MOST_HALVINGS = 6
+# Where the march may go on instead, so often.
+FEW_HALVINGS = 1
 DECREASE = 1e-2
 # A residual that two of Newton's steps do not lower by this factor is what rounding leaves ...
 STANDING = 0.5
@@ -60,17 +62,21 @@ def march(
     *,
     tolerance: float,
     most: int,
+    newton_failed: bool = False,
     progress: IterationProgress | None = None,
 ) -> Iterated:
     """From a shape to the steady train that its own dynamics reaches.
 
-    **Arguments:** `tolerance`: bound on residual and missing volume; `most`: iterations.
+    **Arguments:** `tolerance`: bound on residual and missing volume; `most`: iterations;
+    `newton_failed`: whether Newton's method was tried from this shape, and led nowhere.
     """
     history: list[Iteration] = []
     if not problem.fits(profile):
         return Iterated(problem.state(profile), (), "overlap")
     state = problem.state(profile)
     step, newton_below = FIRST_STEP, NEWTON_RESIDUAL
+    if newton_failed:
+        newton_below = min(newton_below, 0.1 * state.residual)
     while len(history) < most:
         if not math.isfinite(state.residual):
             return Iterated(state, tuple(history), "no number")
@@ -80,6 +86,7 @@ def march(
                 state.profile,
                 tolerance=tolerance,
                 most=most - len(history),
+                halvings=FEW_HALVINGS,
                 progress=progress,
                 state=state,
             )
@@ -112,6 +119,7 @@ def newton(
     *,
     tolerance: float,
     most: int,
+    halvings: int = MOST_HALVINGS,
     progress: IterationProgress | None = None,
     state: SteadyState | None = None,
 ) -> Iterated:
@@ -144,7 +152,7 @@ def newton(
         if len(history) >= most:
             return Iterated(state, tuple(history), "iterations")
         before = state.error
-        following = _searched(problem, state, least)
+        following = _searched(problem, state, least, halvings)
         if following is None:
             return Iterated(state, tuple(history), "step")
         history.append(Iteration("newton", state.residual, math.inf, state.cell_velocity))
@@ -153,7 +161,9 @@ def newton(
         state = following
 
 
-def _searched(problem: SteadyProblem, state: SteadyState, least: Room) -> SteadyState | None:
+def _searched(
+    problem: SteadyProblem, state: SteadyState, least: Room, halvings: int
+) -> SteadyState | None:
     """The state after Newton's step, cut until it helps; None if it does not."""
     change = state.step(math.inf)
     moved = largest_move(problem, change)
@@ -161,7 +171,7 @@ def _searched(problem: SteadyProblem, state: SteadyState, least: Room) -> Steady
         return None
     part = min(1.0, LARGEST_MOVE / moved) if moved > 0.0 else 1.0
     merit = _merit(state)
-    for _ in range(MOST_HALVINGS + 1):
+    for _ in range(halvings + 1):
         following = _after(problem, state, part * change, least, keep_rules=True)
         if following is not None:
             after = _merit(following)

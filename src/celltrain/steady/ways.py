@@ -110,7 +110,9 @@ class Ways:
             return Followed(problem, Iterated(state, (), "steady"), True)
         return self._march(train, profile)
 
-    def _march(self, train: Train, profile: Profile | None = None) -> Followed:
+    def _march(
+        self, train: Train, profile: Profile | None = None, *, newton_failed: bool = False
+    ) -> Followed:
         """From a shape, that at rest if none is given."""
         problem = SteadyProblem(train)
         found = march(
@@ -118,6 +120,7 @@ class Ways:
             problem.rest if profile is None else profile,
             tolerance=self.tolerance,
             most=self.left,
+            newton_failed=newton_failed,
             progress=self.progress,
         )
         return self._counted(Followed(problem, found, found.steady))
@@ -193,10 +196,13 @@ class Ways:
             return found
         here = begun
         for train in _degrees_between(begun.problem.train, end):
-            before, here = here, self._corrected(here, train)
+            before = here
+            at_once = before is begun and train == end
+            here = found if at_once else self._corrected(here, train)
             if not here.complete:
                 # The flow leads on where Newton's method does not.
-                here = _joined(here, self._march(train, _at_degree(before, here.problem)))
+                shape = _at_degree(before, here.problem)
+                here = _joined(here, self._march(train, shape, newton_failed=True))
             found = _joined(found, here)
             if not here.complete:
                 break
