@@ -124,6 +124,16 @@ def test_frames_do_not_change_steps_and_an_end_may_be_put_off(
         resume(path, until=0.01)
 
 
+def test_the_command_of_a_simulation_that_is_complete_says_so_again(
+    single, tmp_path: Path
+) -> None:
+    """Also where its last time is not `until` to the last bit: 6 x 0.1 is more than 0.6."""
+    path = tmp_path / "run.nc"
+    run = evolve(single, DISTURBANCE, degree=6, until=0.6, every=0.1, path=path)
+    assert run.times[-1] > 0.6
+    assert_same(resume(path, until=0.6), run)
+
+
 def test_a_file_holds_everything(whole: Run, whole_path: Path) -> None:
     assert_same(Run.load(whole_path), whole)
     again = Run.load(whole_path)

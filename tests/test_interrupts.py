@@ -28,6 +28,12 @@ def callback(phase, info):
 gc.callbacks.append(callback)
 while True: gc.collect()
 """,
+    # As workers of a study have them.
+    "with semaphores": """
+import multiprocessing
+sys.kept = multiprocessing.get_context("spawn").Lock()
+while True: time.sleep(0.01)
+""",
     "in a handler of all": """
 while True:
     try: time.sleep(0.01)

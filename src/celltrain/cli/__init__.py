@@ -22,6 +22,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         prepare_streams()
         # No window is opened, and Matplotlib ends with an error for a name that it does not know.
         os.environ["MPLBACKEND"] = "agg"
+        # Workers' semaphores are left to a process of Python's own, which would speak of them.
+        sys.warnoptions.append("ignore::UserWarning:multiprocessing.resource_tracker")
     with Interrupts() as interrupts:
         try:
             from celltrain.cli.app import run  # takes long

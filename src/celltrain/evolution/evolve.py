@@ -15,6 +15,7 @@ from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import March, SimulationProgress
 from celltrain.evolution.methods import Manner, Method, RungeKuttaChebyshev, Step, Work
 from celltrain.evolution.record.archive import Archive
+from celltrain.evolution.record.frames import SAME_TIME
 from celltrain.evolution.record.quantities import STEP_QUANTITIES
 from celltrain.evolution.record.run import Run
 from celltrain.evolution.start import at_degree
@@ -161,7 +162,7 @@ def resume(
         except (OSError, ValueError) as error:
             raise CaseError(f"{str(path)!r} cannot be gone on from: {error}") from None
         if until is not None:
-            if not until >= run.times[-1]:
+            if until < run.times[-1] * (1.0 - SAME_TIME):
                 raise CaseError(
                     f"until = {until:g} is not allowed: {str(path)!r} has already reached"
                     f" t = {run.times[-1]:g}; allowed: >= {run.times[-1]:g}"
