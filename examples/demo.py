@@ -41,7 +41,6 @@ from celltrain import (
     stability,
 )
 from celltrain.cli.progress import Reporter
-from celltrain.cli.simulation_progress import SimulationReporter
 from celltrain.evolution import Leading
 from celltrain.stability.verdict import verdict
 
@@ -79,7 +78,7 @@ def simulate(path: Path, errors: Console) -> Run:
         reporter.log(f"simulation of {SIMULATED.cells} cells: steady train, linear dynamics, march")
         start = stability(SIMULATED, azimuthal_numbers=(0, 1, 2), estimate_error=False)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with SimulationReporter(errors, quiet=False) as progress:
+    with Reporter(errors, quiet=False) as progress:
         return evolve(
             start,
             Leading(AMPLITUDE),

@@ -124,9 +124,7 @@ def test_frames_do_not_change_steps_and_an_end_may_be_put_off(
         resume(path, until=0.01)
 
 
-def test_the_command_of_a_simulation_that_is_complete_says_so_again(
-    single, tmp_path: Path
-) -> None:
+def test_the_command_of_a_simulation_that_is_complete_says_so_again(single, tmp_path: Path) -> None:
     """Also where its last time is not `until` to the last bit: 6 x 0.1 is more than 0.6."""
     path = tmp_path / "run.nc"
     run = evolve(single, DISTURBANCE, degree=6, until=0.6, every=0.1, path=path)
@@ -405,7 +403,7 @@ def test_exit_statuses_of_the_command(
     def interrupt(self: object, status: Status) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("celltrain.cli.simulation_progress.SimulationReporter.step", interrupt)
+    monkeypatch.setattr("celltrain.cli.progress.Reporter.step", interrupt)
     assert main([*common, "--until", "1", "--overwrite"]) == 130
     message = capsys.readouterr().err
     assert "interrupted" in message

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from celltrain import Base, load
 from celltrain.cli import main
 from celltrain.parameters import CaseError, load_case, merge_case, read_case, relative_volume
 from celltrain.results import save
@@ -202,7 +203,16 @@ def test_what_is_no_number_is_told_what_is_allowed() -> None:
     ended = command(["evolve", "--until", " "])
     assert ended.returncode == 2
     assert ended.stderr.startswith("celltrain: Invalid value for --until")
-    assert ended.stderr.endswith(" into float; allowed: a number\n")
+    assert ended.stderr.endswith(" is not allowed; allowed: numbers > 0\n")
+
+
+def test_a_report_that_nobody_reads_takes_no_file_along(tmp_path: Path) -> None:
+    path = tmp_path / "base.nc"
+    closed = "| true; exit ${PIPESTATUS[0]}"
+    ended = command(["base", *CASE[1:], "--degree", "6", "-o", str(path), "--quiet"], closed)
+    assert ended.returncode == 4
+    assert ended.stderr == "celltrain: standard output could not be written: Broken pipe\n"
+    assert isinstance(load(path), Base)
 
 
 @pytest.mark.parametrize("home", ["", "/proc/nowhere"])

@@ -16,7 +16,6 @@ from rich.console import Console
 
 from celltrain import CaseError, Run, Train, evolve, paper_units, resume, stability, steady
 from celltrain.cli.progress import Reporter
-from celltrain.cli.simulation_progress import SimulationReporter
 from celltrain.contract import presentation
 from celltrain.evolution import Disturbance, Leading, RandomDisplacement
 from celltrain.evolution.record.recompute import pressure_drops
@@ -72,14 +71,14 @@ def simulate(name: str, path: Path) -> None:
     case, errors = CASES[name], Console(stderr=True)
     if path.exists():
         until = max(case.until, float(load(name, path).times[-1]))
-        with SimulationReporter(errors, quiet=False) as progress:
+        with Reporter(errors, quiet=False) as progress:
             resume(path, until=until, progress=progress.step)
         return
     path.parent.mkdir(parents=True, exist_ok=True)
     with Reporter(errors, quiet=False) as reporter:
         base = steady(case.train, progress=reporter.iteration)
         start = stability(base, estimate_error=False, progress=reporter.share)
-    with SimulationReporter(errors, quiet=False) as progress:
+    with Reporter(errors, quiet=False) as progress:
         evolve(
             start,
             case.disturbance,

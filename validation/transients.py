@@ -13,7 +13,7 @@ from page import DOTS_PER_INCH, FOLDER, Page, plain_figure
 from rich.console import Console
 
 from celltrain import Run, Stability, Train, evolve, stability
-from celltrain.cli.simulation_progress import SimulationReporter
+from celltrain.cli.progress import Reporter
 from celltrain.evolution import Disturbance, FastestAtFirst, Leading, linear_prediction
 from celltrain.paper.initial import kept_volume
 from celltrain.stability import PaperNorm, normed_blocks, propagator_norm
@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def simulated(start: Stability, disturbance: Disturbance) -> Run:
     """The disturbance in time."""
-    with SimulationReporter(Console(stderr=True), quiet=False) as progress:
+    with Reporter(Console(stderr=True), quiet=False) as progress:
         return evolve(start, disturbance, until=UNTIL, every=UNTIL, progress=progress.step)
 
 

@@ -12,12 +12,12 @@ Commands are imported when they are run, so that help and bad input need not wai
 from collections.abc import Sequence
 from importlib.metadata import version
 
-from cyclopts import App, CoercionError, CycloptsError
+from cyclopts import App, CycloptsError
 from rich.console import Console
 
-from celltrain.cli.failure import CommandFailed, reason
+from celltrain.cli.keeping import reason
 from celltrain.contract.catalogue import first_lines
-from celltrain.contract.status import ExitStatus
+from celltrain.contract.status import ComputationFailed, ExitStatus
 from celltrain.environment import UnsuitableSetting
 from celltrain.extras import MissingExtra
 from celltrain.parameters import CaseError
@@ -31,10 +31,6 @@ OTHERS = {
     "cite": (
         "cite:cite",
         "Print what to cite as BibTeX: package and paper, and what a result's methods rest on.",
-    ),
-    "evolve": (
-        "evolve:evolve",
-        "Simulate a disturbed train; its file can be read meanwhile, a killed simulation resumed.",
     ),
     "explore": (
         "explore:explore",
@@ -78,16 +74,6 @@ for name, (place, line) in COMMANDS.items():
     app.command(f"celltrain.cli.{place}", name=name, help=line)
 
 
-def _words(error: Exception) -> str:
-    """What is said of bad input, with what is allowed."""
-    numbers = {"float": "a number", "int": "a whole number"}
-    if isinstance(error, CoercionError) and error.msg is None:
-        for kind, allowed in numbers.items():
-            if (text := str(error)).endswith(f" into {kind}."):
-                return f"{text[:-1]}; allowed: {allowed}"
-    return str(error)
-
-
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line (``sys.argv`` unless given) and return the exit status.
 
@@ -100,9 +86,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
     try:
         status = app(arguments, exit_on_error=False, print_error=False)
     except (CaseError, CycloptsError) as error:
-        errors.print(f"celltrain: {_words(error)}", markup=False, highlight=False, soft_wrap=True)
+        errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
         return ExitStatus.BAD_INPUT
-    except CommandFailed as error:
+    except ComputationFailed as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
         return error.status
     except UnsuitableSetting as error:

@@ -19,6 +19,14 @@ Output = Annotated[
     Path | None,
     Parameter(name=("--output", "-o"), help="netCDF file for the result; replaced if it exists."),
 ]
+#: Of what is written while it is computed.
+OwnOutput = Annotated[
+    Path | None,
+    Parameter(
+        name=("--output", "-o"),
+        help="netCDF file that is written meanwhile; one that exists is not replaced unasked.",
+    ),
+]
 Start = Annotated[
     Path | None,
     Parameter(

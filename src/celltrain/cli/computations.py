@@ -16,10 +16,10 @@ from typing import (
 
 from cyclopts import Group, Parameter
 
-from celltrain.cli.arguments import CaseFile, Json, Output, Plot, Quiet, Start
+from celltrain.cli.arguments import CaseFile, Json, Output, OwnOutput, Plot, Quiet, Start
 from celltrain.cli.compute import Request, run
 from celltrain.cli.options import OPTIONS, CaseOptions, given_leaves, reader
-from celltrain.contract import Analysis, Setting, analysis_named
+from celltrain.contract import Analysis, Setting, WrittenMeanwhile, analysis_named
 from celltrain.quantities import Record
 
 if TYPE_CHECKING:
@@ -66,8 +66,10 @@ def command(analysis: type[Analysis[Record]]) -> Command:
     kind = options if needed else options | None
     compute.__annotations__["settings"] = Annotated[kind, Parameter(name="*")]  # type: ignore[valid-type]
     compute.__kwdefaults__ = (compute.__kwdefaults__ or {}) | ({} if needed else {"settings": None})
+    if issubclass(analysis, WrittenMeanwhile):
+        compute.__annotations__["output"] = OwnOutput
     compute.__doc__ = analysis.__doc__
-    compute.__name__ = analysis.result.kind
+    compute.__name__ = analysis.command or analysis.result.kind
     return compute
 
 

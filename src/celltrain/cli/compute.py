@@ -1,25 +1,31 @@
-"""The one way of a command that computes: from a checked case to report, file and pictures."""
+"""The one way of a command that computes: from a checked case to report, file and pictures.
+
+What is written while it is computed (`WrittenMeanwhile`) has its file to itself all the time, can
+be gone on with, and is not replaced unasked.
+"""
 
 import json as json_module
 import os
 import sys
-from collections.abc import Mapping
-from contextlib import redirect_stdout
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext, redirect_stdout
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
 
-from celltrain.cli.failure import reason
-from celltrain.cli.keeping import Keeper
+from celltrain.cli.keeping import Keeper, Report, reason
 from celltrain.cli.outputs import check_folder, check_output, last_state_path
 from celltrain.cli.progress import Reporter
-from celltrain.contract import Analysis, load, presentation
+from celltrain.contract import Analysis, Progress, WrittenMeanwhile, load, presentation
 from celltrain.contract.status import ExitStatus
 from celltrain.contract.tables import titled
 from celltrain.parameters import CaseError, Train, check_volume, merge_case, read_case
 from celltrain.parameters.train import Units
 from celltrain.quantities import Record
+from celltrain.results.lock import only_writer
+from celltrain.stability import Stability
 from celltrain.steady import Base, NotConverged
 
 
@@ -40,37 +46,89 @@ def run(request: Request, leaves: Mapping[str, object], analysis: Analysis[Recor
 
     Raises:
         CaseError: for anything in the request that is not allowed, before computing.
+        KeyboardInterrupt: with what is kept as the message, of what was interrupted.
     """
-    train, start, units = read_request(request, {**leaves, **analysis.leaves()})
-    if units == "SI":
-        analysis = analysis.dimensionless(train.scales)
-    analysis.check(train)
+    meanwhile = isinstance(analysis, WrittenMeanwhile)
+    if meanwhile and request.output is None:
+        raise CaseError("output is missing: name a file (-o FILE.nc)")
     if request.output:
         check_output(request.output)
-    if request.plot:
-        check_folder(request.plot)
     errors = Console(stderr=True)
+    # Nobody else may come between looking at the file and writing it.
+    own = only_writer(request.output) if meanwhile and request.output else nullcontext()
     # Only the result itself may go to standard output.
-    with redirect_stdout(sys.stderr), Reporter(errors, quiet=request.quiet) as reporter:
+    with redirect_stdout(sys.stderr), own:
+        compute = _checked(request, leaves, analysis)
+        if request.plot:
+            check_folder(request.plot)
+        with Reporter(errors, quiet=request.quiet) as reporter:
+            try:
+                result = compute(reporter)
+            except NotConverged as failure:
+                return describe_failure(failure, errors, request.output)
+    keeper = Keeper(errors, quiet=request.quiet)
+    print_result(result, keeper, as_json=request.json)
+    status, remark = analysis.status(result), analysis.remark(result, request.output)
+    if status == ExitStatus.INTERRUPTED:
+        raise KeyboardInterrupt(remark)
+    if remark:
+        errors.print(remark, markup=False, highlight=False, soft_wrap=True)
+    keeper.result(result, None if meanwhile else request.output, request.plot)
+    return status or keeper.status
+
+
+def _checked(
+    request: Request, leaves: Mapping[str, object], analysis: Analysis[Record]
+) -> Callable[[Progress], Record]:
+    """What computes, once everything in the request is found to be allowed."""
+    output = request.output
+    if isinstance(analysis, WrittenMeanwhile) and output is not None:
+        if analysis.resume:
+            _check_resumed(request, leaves)
+            return partial(analysis.go_on, output)
+        if output.exists() and not analysis.overwrite:
+            raise CaseError(
+                f"output = {str(output)!r} is not allowed: it exists; allowed: another file, or"
+                " --resume, or --overwrite"
+            )
+    train, known, units = read_request(request, {**leaves, **analysis.leaves()})
+    start = None if known is None else presentation(known.kind).steady_train(known)
+    if units == "SI":
+        analysis = analysis.dimensionless(train.scales)
+    if isinstance(analysis, WrittenMeanwhile) and start is not None and "degree" not in leaves:
+        # A file's degree is that of its own computation.
+        train = train.changed(degree=None)
+    analysis.check(train)
+
+    def compute(progress: Progress) -> Record:
         degree = train.resolution.degree
-        reporter.log(
+        progress.log(
             f"train of {train.cells} cells, packing {train.packing:g}, in a tube of diameter"
             f" {train.tube.diameter:g} r0" + ("" if degree is None else f", degree {degree}")
         )
-        try:
-            result = analysis.compute(train, start, reporter)
-        except NotConverged as failure:
-            return describe_failure(failure, errors, request.output)
-    keeper = Keeper(errors, quiet=request.quiet)
-    print_result(result, keeper, as_json=request.json)
-    keeper.result(result, request.output, request.plot)
-    return analysis.status(result) or keeper.status
+        if isinstance(analysis, WrittenMeanwhile):
+            begin = known if isinstance(known, Stability) else start
+            return analysis.compute_into(train, begin, progress, output)
+        return analysis.compute(train, start, progress)
+
+    return compute
+
+
+def _check_resumed(request: Request, leaves: Mapping[str, object]) -> None:
+    if request.case is not None or request.start is not None or leaves:
+        raise CaseError(
+            "a case is not allowed with --resume: the computation goes on with that of its file"
+        )
+    if not request.output or not request.output.is_file():
+        raise CaseError(
+            f"output = {str(request.output)!r} cannot be resumed: there is no such file"
+        )
 
 
 def read_request(
     request: Request, leaves: Mapping[str, object]
-) -> tuple[Train, Base | None, Units]:
-    """The case that a request means, the steady train to start from if there is one, and the units.
+) -> tuple[Train, Record | None, Units]:
+    """The case that a request means, the result to start from if there is one, and the units.
 
     These are those of the options, or else of the case file.
 
@@ -86,9 +144,10 @@ def read_request(
                 " steady train; allowed: one of them, or a case file (.toml)"
             )
         case, start, name = None, case, "case"
-    known = read_start(start, name) if start else None
+    known = read_result(start, name) if start else None
+    base = None if known is None else presentation(known.kind).steady_train(known)
     content = read_case(case) if case else None
-    train = read_train(content, known, leaves)
+    train = read_train(content, base, leaves)
     in_si = {**(content or {}), **leaves}.get("units") == "SI"
     return train, known, "SI" if in_si else "dimensionless"
 
@@ -114,16 +173,6 @@ def read_train(
     return merge_case(case or {}, leaves)
 
 
-def read_start(path: Path, name: str) -> Base:
-    """The steady train in a result file; `name` is that of the option in messages.
-
-    Raises:
-        CaseError: if there is none.
-    """
-    result = read_result(path, name)
-    return presentation(result.kind).steady_train(result)
-
-
 def read_result(path: Path, name: str) -> Record:
     """What a file holds; `name` is that of the option or argument in messages.
 
@@ -145,7 +194,7 @@ def print_result(result: Record, keeper: Keeper, *, as_json: bool) -> None:
         text = json_module.dumps(shown.summary(result), indent=2, allow_nan=False)
         keeper.show(lambda: print(text))
     else:
-        keeper.show(lambda: shown.report(result, Console()))
+        keeper.show(lambda: shown.report(result, Report()))
 
 
 def describe_failure(failure: NotConverged, errors: Console, output: Path | None) -> int:

@@ -4,6 +4,7 @@ What fails after the result was printed takes nothing of it along: it is said in
 the command ends with the status `NOT_KEPT`. What writes is imported when it is needed.
 """
 
+import errno
 import os
 import sys
 from collections.abc import Callable
@@ -12,11 +13,18 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
-from celltrain.cli.failure import reason
 from celltrain.contract.status import ExitStatus
 
 if TYPE_CHECKING:
     from celltrain.quantities import Record
+
+
+class Report(Console):
+    """Standard output for reports: that it is closed is said by an error, which can be told."""
+
+    def on_broken_pipe(self) -> None:
+        """Called by rich while it handles that error; its own way would end the process."""
+        raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE))
 
 
 class Keeper:
@@ -115,3 +123,8 @@ def _drop_standard_output() -> None:
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.__stdout__.fileno())
     os.close(nowhere)
+
+
+def reason(error: Exception) -> str:
+    """What went wrong, in the words of the system where they are its own."""
+    return getattr(error, "strerror", None) or str(error) or type(error).__name__

@@ -1,13 +1,17 @@
 """Progress on standard error: bars for what has parts, a running line for the base flow."""
 
+import math
 from collections.abc import Callable
 from contextlib import ExitStack
 from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 from numba.core import event
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+if TYPE_CHECKING:
+    from celltrain.contract.progress import SimulationStatus
 
 
 class _Iteration(Protocol):
@@ -43,7 +47,7 @@ class Reporter:
     """Shows how a computation goes on; gives the callbacks that the computations take.
 
     On a terminal it is a live display; otherwise a line for each iteration, and for each tenth
-    of the linearisation.
+    of what has an end.
     """
 
     def __init__(self, console: Console, *, quiet: bool) -> None:
@@ -101,16 +105,28 @@ class Reporter:
 
     def part(self, title: str, done: int, total: int) -> None:
         """Take how much of something is done."""
+        self._reach(title, done, total, f"{done} of {total}")
+
+    def step(self, status: "SimulationStatus") -> None:
+        """Take how far a simulation is: time, speed (r0/U per hour), time left and eps."""
+        note = f"t = {status.time:.4g} of {status.until:g} r0/U  {progress_note(status)}"
+        self._reach("simulation", status.time, status.until, note)
+
+    def _reach(self, title: str, done: float, total: float, note: str) -> None:
         if title != self._title:
             self._title, self._tenths = title, 0
         if self._live:
             self._progress.update(
-                self._task,
-                description=title,
-                completed=done,
-                total=total,
-                note=f"{done}/{total}",
+                self._task, description=title, completed=done, total=total, note=note
             )
-        elif total and 10 * done // total > self._tenths:
-            self._tenths = 10 * done // total
-            self.log(f"{title}: {done} of {total}")
+        elif total and int(10 * done / total) > self._tenths:
+            self._tenths = int(10 * done / total)
+            self.log(f"{title}: {note}")
+
+
+def progress_note(status: "SimulationStatus") -> str:
+    """Speed, time left and eps of a simulation in words."""
+    speed = 3600.0 * (status.time - status.begin) / status.seconds
+    left = 3600.0 * (status.until - status.time) / speed if speed > 0.0 else math.inf
+    duration = f"{left / 3600.0:.1f} h" if left > 3600.0 else f"{left / 60.0:.1f} min"
+    return f"{speed:.3g} r0/U per hour, {duration} left, eps {status.eps:.3g} r0"

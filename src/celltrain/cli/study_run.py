@@ -18,9 +18,9 @@ from rich.progress import (
 from rich.progress import Progress as Bar
 
 from celltrain.cli.arguments import Quiet
-from celltrain.cli.failure import CommandFailed, reason
+from celltrain.cli.keeping import reason
 from celltrain.cli.options import reader
-from celltrain.contract.status import ExitStatus
+from celltrain.contract.status import ComputationFailed, ExitStatus
 from celltrain.interruption import kept_by
 from celltrain.parameters import CaseError
 from celltrain.study import (
@@ -76,7 +76,7 @@ def compute(study: Study, run: StudyRun, errors: Console) -> dict[tuple[int, ...
 
     Raises:
         CaseError: for workers that are not allowed.
-        CommandFailed, KeyboardInterrupt: with what is kept as the message.
+        ComputationFailed, KeyboardInterrupt: with what is kept as the message.
     """
     computation = StabilityOfCase(study.computed)
 
@@ -99,7 +99,7 @@ def compute_sample(study: SampledStudy, run: StudyRun, errors: Console) -> Sampl
     """The same for a study of distributions.
 
     Raises:
-        CaseError, CommandFailed, KeyboardInterrupt: as `compute`.
+        CaseError, ComputationFailed, KeyboardInterrupt: as `compute`.
     """
 
     def on_workers(workers: Workers, tell: Tell) -> Sampled:
@@ -113,7 +113,7 @@ def compute_sample(study: SampledStudy, run: StudyRun, errors: Console) -> Sampl
                 progress=tell,
             )
         except NoCentralTrain as error:
-            raise CommandFailed(str(error), ExitStatus.NOT_CONVERGED) from None
+            raise ComputationFailed(str(error)) from None
 
     show = _Show(study.title, study.total, run, errors, many=True)
     return _kept_going(on_workers, run, study.total, show)
@@ -145,8 +145,8 @@ def _kept_going(
         if isinstance(stopped, KeyboardInterrupt):
             raise KeyboardInterrupt(kept()) from None
         if isinstance(stopped, WorkersLost):
-            raise CommandFailed(f"{stopped}; {kept()}", ExitStatus.NOT_KEPT) from None
-        raise CommandFailed(
+            raise ComputationFailed(f"{stopped}; {kept()}", ExitStatus.NOT_KEPT) from None
+        raise ComputationFailed(
             f"{str(run.folder)!r} could not be written: {reason(stopped)}; {kept()}",
             ExitStatus.NOT_KEPT,
         ) from None

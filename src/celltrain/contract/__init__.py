@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         OfStability,
         Presentation,
         Setting,
+        WrittenMeanwhile,
     )
     from celltrain.contract.catalogue import (
         analysis_named,
@@ -36,6 +37,7 @@ __all__ = [
     "Progress",
     "Setting",
     "Silent",
+    "WrittenMeanwhile",
     "analysis_named",
     "commands",
     "draw_all",
@@ -47,7 +49,7 @@ __all__ = [
 ]
 
 _LATER = {
-    "analysis": ("Analysis", "Draw", "OfStability", "Presentation", "Setting"),
+    "analysis": ("Analysis", "Draw", "OfStability", "Presentation", "Setting", "WrittenMeanwhile"),
     "catalogue": ("analysis_named", "commands", "first_lines", "kinds", "presentation"),
     "files": ("draw_all", "load", "show"),
     "progress": ("Progress", "Silent"),

@@ -79,13 +79,21 @@ class Presentation(ABC, Generic[Result]):
         """Exit status of the command."""
         return 0
 
+    @classmethod
+    def remark(cls, result: Result, path: Path | None) -> str:
+        """What is to be said of a result that is not whole, and of its file; nothing otherwise."""
+        return ""
+
 
 class Analysis(Presentation[Result]):
     """One computation on a case; the fields of a subclass, a frozen dataclass, are its settings.
 
     The first line of a subclass' docstring is the help of its command, whose name is that of its
-    file and of its results' kind.
+    file and of its results' kind, unless it has a `command`.
     """
+
+    #: The name of its command, where that of its file is not good: a constant.
+    command: ClassVar[str] = ""
 
     def leaves(self) -> Mapping[str, object]:
         """Leaves of the case that settings give, in the units of the case."""
@@ -109,6 +117,41 @@ class Analysis(Presentation[Result]):
         Raises:
             CaseError: for what turns out not to be allowed.
             NotConverged: if there is no steady train.
+        """
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrittenMeanwhile(Analysis[Result]):
+    """An analysis that writes its file while it computes, and can go on with it later."""
+
+    resume: Annotated[bool, Setting("Go on with what is in the output file.")] = False
+    overwrite: Annotated[bool, Setting("Replace the output file.")] = False
+
+    def compute(self, train: Train, start: Base | None, progress: Progress) -> Result:
+        """Compute the result without a file.
+
+        Raises:
+            CaseError, NotConverged: as `compute_into`.
+        """
+        return self.compute_into(train, start, progress, None)
+
+    @abstractmethod
+    def compute_into(
+        self, train: Train, start: Base | Stability | None, progress: Progress, path: Path | None
+    ) -> Result:
+        """Compute the result, and write what is known of it into a file again and again.
+
+        Raises:
+            CaseError: for what turns out not to be allowed.
+            NotConverged: if there is no steady train.
+        """
+
+    @abstractmethod
+    def go_on(self, path: Path, progress: Progress) -> Result:
+        """Go on with what is in a file.
+
+        Raises:
+            CaseError: for what is not allowed.
         """
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 #: Commands that are no analyses, after which none can be named.
-TAKEN = ("case", "cite", "evolve", "explore", "page", "paper", "plot", "show", "sweep")
+TAKEN = ("case", "cite", "explore", "page", "paper", "plot", "show", "sweep")
 
 
 @cache
@@ -51,14 +51,26 @@ def kinds() -> tuple[str, ...]:
     return tuple(_files())
 
 
-def commands() -> tuple[str, ...]:
-    """The names of all analyses, in alphabetical order."""
-    return tuple(name for name, path in _files().items() if not path.stem.startswith("_"))
-
-
+@cache
 def first_lines() -> dict[str, str]:
-    """The first line of each analysis' docstring, by name."""
-    return {name: _first_line(_files()[name]) for name in commands()}
+    """The first line of each analysis' docstring, by the name of its command."""
+    return {command: line for command, (_, line) in sorted(_commands().items())}
+
+
+def commands() -> tuple[str, ...]:
+    """The names of all analyses' commands, in alphabetical order."""
+    return tuple(first_lines())
+
+
+@cache
+def _commands() -> dict[str, tuple[str, str]]:
+    """The kind of each command's results, and the first line of its help."""
+    found: dict[str, tuple[str, str]] = {}
+    for kind, path in _files().items():
+        if not path.stem.startswith("_"):
+            command, line = _declared(path)
+            found[command or kind] = kind, line
+    return found
 
 
 def analysis_named(name: str) -> "type[Analysis[Any]]":
@@ -71,7 +83,7 @@ def analysis_named(name: str) -> "type[Analysis[Any]]":
 
     if name not in commands():
         raise KeyError(f"there is no analysis {name!r}; there are: {', '.join(commands())}")
-    found = presentation(name)
+    found = presentation(_commands()[name][0])
     assert issubclass(found, Analysis)
     return found
 
@@ -107,18 +119,28 @@ def presentation(kind: str) -> "type[Presentation[Any]]":
     return found[0]
 
 
-def _names_result(node: ast.stmt) -> bool:
+def _assigned(node: ast.stmt) -> str:
+    """The name that a statement gives a value."""
     targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
-    return any(getattr(each, "id", "") == "result" for each in targets)
+    return next((each.id for each in targets if isinstance(each, ast.Name)), "")
 
 
-def _first_line(path: Path) -> str:
-    """Of the class in a file that is an analysis: the one that has a `result`."""
+def _declared(path: Path) -> tuple[str, str]:
+    """The `command` and the first line of the class in a file that is an analysis.
+
+    It is the one that has a `result`.
+    """
     try:
         parts = ast.parse(path.read_text(encoding="utf-8")).body
     except (OSError, SyntaxError, ValueError) as error:
-        return f"Cannot be used: {error}."
+        return "", f"Cannot be used: {error}."
     for node in parts:
-        if isinstance(node, ast.ClassDef) and any(map(_names_result, node.body)):
-            return (ast.get_docstring(node) or "No description.").splitlines()[0]
-    return f"Cannot be used: {path} defines no analysis."
+        if not isinstance(node, ast.ClassDef):
+            continue
+        named = {_assigned(each): each for each in node.body}
+        if "result" in named:
+            value = getattr(named.get("command"), "value", None)
+            command = str(value.value) if isinstance(value, ast.Constant) else ""
+            line = (ast.get_docstring(node) or "No description.").splitlines()[0]
+            return command, line
+    return "", f"Cannot be used: {path} defines no analysis."

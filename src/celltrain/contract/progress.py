@@ -6,6 +6,31 @@ from celltrain.steady import Iteration
 
 
 @runtime_checkable
+class SimulationStatus(Protocol):
+    """How far a simulation is."""
+
+    @property
+    def begin(self) -> float:
+        """Time at which it began, or was gone on with, r0/U."""
+
+    @property
+    def time(self) -> float:
+        """Time that is reached, r0/U."""
+
+    @property
+    def until(self) -> float:
+        """Last time, r0/U."""
+
+    @property
+    def eps(self) -> float:
+        """Size of the disturbance (Eq. 8), r0."""
+
+    @property
+    def seconds(self) -> float:
+        """Wall time since the beginning, s."""
+
+
+@runtime_checkable
 class Progress(Protocol):
     """What computations call; the command line's `Reporter` shows it."""
 
@@ -20,6 +45,9 @@ class Progress(Protocol):
 
     def part(self, title: str, done: int, total: int) -> None:
         """Take how much of something is done."""
+
+    def step(self, status: SimulationStatus) -> None:
+        """Take how far a simulation is."""
 
 
 class Silent:
@@ -36,3 +64,6 @@ class Silent:
 
     def part(self, title: str, done: int, total: int) -> None:
         """Take how much of something is done."""
+
+    def step(self, status: SimulationStatus) -> None:
+        """Take how far a simulation is."""

@@ -20,3 +20,11 @@ def curve_status(ending: str) -> ExitStatus:
     """Of a curve by the kind of its ending: what was found of it is kept in all cases."""
     known = {"lost": ExitStatus.NOT_CONVERGED, "interrupted": ExitStatus.INTERRUPTED}
     return known.get(ending, ExitStatus.DONE)
+
+
+class ComputationFailed(RuntimeError):
+    """Why there is no result, and the exit status that goes with it."""
+
+    def __init__(self, message: str, status: ExitStatus = ExitStatus.NOT_CONVERGED) -> None:
+        super().__init__(message)
+        self.status = status
