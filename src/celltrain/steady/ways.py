@@ -57,10 +57,13 @@ class Ways:
 
     def from_rest(self, train: Train) -> tuple[Followed, str]:
         """The train that the flow reaches from rest, or where the last way has ended; and how."""
+        return self._first(self._from_rest(train, march=True))
+
+    def _from_rest(self, train: Train, *, march: bool) -> list[Way]:
         rest = "march from the resting shape"
         easy, moderate = easier(train), of_moderate_strength(train)
         ways: list[Way] = []
-        if easy is None or _has_room(_at_march_degree(train)):
+        if march and (easy is None or _has_room(_at_march_degree(train))):
             ways.append((rest, lambda: self._raised(self._marched(train), train)))
         if easy is not None:
             how = f"{rest} with {describe_change(easy, train)}"
@@ -69,7 +72,7 @@ class Ways:
             begin = easier(moderate) or moderate
             how = f"{rest} with {describe_change(begin, train)}"
             ways.append((how, lambda: self._rising(self._eased(begin, train), moderate, train)))
-        return self._first(ways)
+        return ways
 
     def from_train(self, begin: Train, profile: Profile, train: Train) -> tuple[Followed, str]:
         """The train that continues another one, or where the last way has ended; and how."""
@@ -79,15 +82,14 @@ class Ways:
             return self._begun(begin, profile)
 
         ways: list[Way] = [(origin, lambda: self._rising(start(), train))]
-        if begin.degree != train.degree:
+        alike = _alike(begin.changed(degree=train.degree, **_no_sizes()), train)
+        if begin.degree != train.degree and not alike:
             at_degree = begin.changed(degree=train.degree, **_no_sizes())
             way = f"{origin}, at degree {train.degree} from the beginning"
             ways.append((way, lambda: self._along(self._raised(start(), at_degree), train)))
-        found, origin = self._first(ways)
-        if found.complete or self.left <= 0:
-            return found, origin
-        again, way = self.from_rest(train)
-        return _joined(found, again), way
+        # A march from rest whose degree is raised would come by the same train again.
+        ways += self._from_rest(train, march=not alike)
+        return self._first(ways)
 
     def _first(self, ways: Sequence[Way]) -> tuple[Followed, str]:
         """The first way that leads to the train."""
