@@ -26,7 +26,7 @@ MEMBRANES_AND_FLOW = (
         year=2019,
         doi="10.1137/18M120885X",
         note="The transforms behind the far part of the Ewald sums (FINUFFT).",
-        modules=("flow.transform",),
+        modules=("flow.nonuniform",),
     ),
     Source(
         key="Barthes-Biesel, Diaz & Dhenin 2002",

@@ -3,8 +3,8 @@
     analyse:     f^(k) = sum_s f_s exp(-i k . y_s)
     synthesise:  u(x)  = sum_k u^(k) exp(i k . x)
 
-by FINUFFT (*Barnett, Magland & af Klinteberg 2019*). Derivatives are exact: they are transforms of
-other strengths at the same points.
+(see `nonuniform`). Derivatives are exact: they are transforms of other strengths at the same
+points.
 """
 
 import math
@@ -12,11 +12,10 @@ import math
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jax_finufft import nufft1, nufft2
 from jaxtyping import Array, Complex, Float
 
 from celltrain.flow.ewald import EwaldSplit
-from celltrain.runtime import NUFFT_OPTIONS
+from celltrain.flow.nonuniform import Angles, modes_to_points, points_to_modes
 
 Points = Float[Array, "point 3"]
 Modes = Complex[Array, "part x y z"]
@@ -48,34 +47,22 @@ class Transform(eqx.Module):
         """Fields at the points, differentiable in both."""
         return _synthesised(self, points, modes)
 
-    def _angles(self, points: Points) -> tuple[Array, Array, Array]:
+    def _angles(self, points: Points) -> Angles:
         parts = points / self.box
         x, y, z = (2.0 * math.pi * parts[:, i] for i in range(3))
         return x, y, z - 2.0 * math.pi * jnp.round(parts[:, 2])
 
     def _forth(self, points: Points, strengths: Float[Array, "point part"]) -> Modes:
         count = strengths.shape[1]
-        modes = nufft1(
-            self.shape,
-            _in_pairs(strengths.T),
-            *self._angles(points),
-            eps=self.tolerance,
-            iflag=-1,
-            opts=NUFFT_OPTIONS,
-        )
+        pairs = _in_pairs(strengths.T)
+        modes = points_to_modes(self.shape, pairs, self._angles(points), self.tolerance)
         # Transforms of real strengths a, b from that of a + i b, by their symmetry under k -> -k.
         mirrored = jnp.conj(modes[:, ::-1, ::-1, ::-1])
         both = jnp.stack([0.5 * (modes + mirrored), -0.5j * (modes - mirrored)], axis=1)
         return both.reshape(-1, *self.shape)[:count]
 
     def _back(self, points: Points, modes: Modes) -> Float[Array, "point part"]:
-        pairs = nufft2(
-            _in_pairs(modes),
-            *self._angles(points),
-            eps=self.tolerance,
-            iflag=1,
-            opts=NUFFT_OPTIONS,
-        )
+        pairs = modes_to_points(_in_pairs(modes), self._angles(points), self.tolerance)
         fields = jnp.stack([pairs.real, pairs.imag], axis=1).reshape(-1, len(points))
         return fields[: modes.shape[0]].T
 

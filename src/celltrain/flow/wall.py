@@ -20,11 +20,10 @@ import math
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jax_finufft import nufft2
 from jaxtyping import Array, Complex, Float, Int
 from scipy.special import hyp0f1, ive
 
-from celltrain.runtime import NUFFT_OPTIONS
+from celltrain.flow.nonuniform import modes_to_points
 
 # Points across a strip along the tube.
 STRIP = 8
@@ -195,7 +194,7 @@ class TubeWall(eqx.Module):
         angle_z = angle_z - 2.0 * math.pi * jnp.round(points[:, 2] / self.period)
         # The components are real: two of them share one complex transform.
         pairs = jnp.stack([both[0] + 1j * both[1], both[2]])
-        sums = nufft2(pairs, theta, angle_z, psi, eps=self.tolerance, iflag=1, opts=NUFFT_OPTIONS)
+        sums = modes_to_points(pairs, (theta, angle_z, psi), self.tolerance)
         u_r, u_theta, u_z = sums[0].real, sums[0].imag, sums[1].real
         cosine, sine = points[:, 0] / radius, points[:, 1] / radius
         return jnp.stack([u_r * cosine - u_theta * sine, u_r * sine + u_theta * cosine, u_z], -1)

@@ -1,0 +1,191 @@
+"""Nonuniform Fourier transforms in three dimensions, on whatever platform a program runs.
+
+    points to modes:  f^(k) = sum_s f_s exp(-i k . x_s)
+    modes to points:  f(x)  = sum_k f^(k) exp(i k . x)
+
+with angles x and whole numbers k from -n//2 on. On processors by FINUFFT (*Barnett, Magland & af
+Klinteberg 2019*); where `jax_finufft` was not built for a platform, by the same method in JAX
+itself: points are spread over a grid of `UPSAMPLING` times the modes by the kernel
+exp(beta (sqrt(1 - t^2) - 1)), |t| <= 1, which is transformed, and divided by the kernel's own
+transform.
+"""
+
+import math
+from collections.abc import Callable
+from functools import cache
+from importlib.util import find_spec
+from typing import Any, TypeAlias
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax_finufft import nufft1, nufft2
+from jaxtyping import Array, Complex, Float
+from scipy.fft import next_fast_len
+
+from celltrain.runtime import NUFFT_OPTIONS
+
+Angles: TypeAlias = tuple[Float[Array, " point"], Float[Array, " point"], Float[Array, " point"]]
+Shape: TypeAlias = tuple[int, int, int]
+
+#: Platforms for which `jax_finufft` was built.
+BUILT = ("cpu", *(("cuda",) if find_spec("jax_finufft.jax_finufft_gpu") else ()))
+#: Grid points for each mode along each axis.
+UPSAMPLING = 2.0
+# Shape of the kernel for each grid point that it covers, at this upsampling.
+STEEPNESS = 2.3
+# Values of kernels held at a time.
+MOST_VALUES = 2**22
+
+
+def points_to_modes(
+    shape: Shape, values: Complex[Array, "part point"], angles: Angles, tolerance: float
+) -> Complex[Array, "part x y z"]:
+    """Modes of values at points; errors relative to the largest are of the size of `tolerance`."""
+
+    def built(values: Array, *angles: Array) -> Array:
+        found: Array = nufft1(shape, values, *angles, eps=tolerance, iflag=-1, opts=NUFFT_OPTIONS)
+        return found
+
+    def plain(values: Array, *angles: Array) -> Array:
+        return plain_points_to_modes(shape, values, (angles[0], angles[1], angles[2]), tolerance)
+
+    return _by_platform(built, plain, values, *angles)
+
+
+def modes_to_points(
+    modes: Complex[Array, "part x y z"], angles: Angles, tolerance: float
+) -> Complex[Array, "part point"]:
+    """Values at points of fields with these modes, to `tolerance` as `points_to_modes`."""
+
+    def built(modes: Array, *angles: Array) -> Array:
+        found: Array = nufft2(modes, *angles, eps=tolerance, iflag=1, opts=NUFFT_OPTIONS)
+        return found
+
+    def plain(modes: Array, *angles: Array) -> Array:
+        return plain_modes_to_points(modes, (angles[0], angles[1], angles[2]), tolerance)
+
+    return _by_platform(built, plain, modes, *angles)
+
+
+def _by_platform(
+    built: Callable[..., Array], plain: Callable[..., Array], *arguments: Array
+) -> Array:
+    choices: dict[str, Any] = dict.fromkeys(BUILT, built)
+    found: Array = jax.lax.platform_dependent(*arguments, **choices, default=plain)
+    return found
+
+
+def plain_points_to_modes(
+    shape: Shape, values: Complex[Array, "part point"], angles: Angles, tolerance: float
+) -> Complex[Array, "part x y z"]:
+    """The same by JAX alone."""
+    width, sizes = _kernel_width(tolerance), _sizes(shape, tolerance)
+    grid = jnp.zeros((len(values), math.prod(sizes)), dtype=complex)
+
+    def add(grid: Array, some: tuple[Array, Array]) -> tuple[Array, None]:
+        places, weights = _spread(some[1], sizes, width)
+        spread = some[0].T[:, :, None] * weights
+        return grid.at[:, places.ravel()].add(spread.reshape(len(grid), -1)), None
+
+    count = values.shape[1]
+    batch = max(1, min(count, MOST_VALUES // (len(values) * width**3)))
+    grid, _ = jax.lax.scan(add, grid, (_batches(values.T, batch), _batches(_stack(angles), batch)))
+    transformed = jnp.fft.fftn(grid.reshape(-1, *sizes), axes=(1, 2, 3))
+    return _chosen(transformed, shape) / _kernel_modes(shape, sizes, width)
+
+
+def plain_modes_to_points(
+    modes: Complex[Array, "part x y z"], angles: Angles, tolerance: float
+) -> Complex[Array, "part point"]:
+    """The same by JAX alone."""
+    parts, *counts = modes.shape
+    shape = (counts[0], counts[1], counts[2])
+    width, sizes = _kernel_width(tolerance), _sizes(shape, tolerance)
+    divided = modes / _kernel_modes(shape, sizes, width)
+    padded = jnp.zeros((parts, *sizes), dtype=complex)
+    x, y, z = (_numbers(n) % size for n, size in zip(shape, sizes, strict=True))
+    padded = padded.at[:, x[:, None, None], y[None, :, None], z[None, None, :]].set(divided)
+    grid = jnp.fft.ifftn(padded, axes=(1, 2, 3), norm="forward").reshape(parts, -1)
+
+    def take(angles: Array) -> Array:
+        places, weights = _spread(angles, sizes, width)
+        return jnp.einsum("apk,pk->pa", grid[:, places], weights)
+
+    count = len(angles[0])
+    batch = max(1, min(count, MOST_VALUES // (parts * width**3)))
+    found = jax.lax.map(take, _batches(_stack(angles), batch))
+    return found.reshape(-1, parts)[:count].T
+
+
+def _stack(angles: Angles) -> Float[Array, "point 3"]:
+    return jnp.stack(angles, axis=1)
+
+
+def _batches(values: Array, batch: int) -> Array:
+    """Rows in batches of one size; rows of zeros fill up the last."""
+    missing = -len(values) % batch
+    filled = jnp.concatenate([values, jnp.zeros((missing, *values.shape[1:]), values.dtype)])
+    return filled.reshape(-1, batch, *values.shape[1:])
+
+
+def _spread(angles: Array, sizes: Shape, width: int) -> tuple[Array, Array]:
+    """Numbers of the grid points that each point reaches, and the kernel there [point, grid]."""
+    along = []
+    for axis, size in enumerate(sizes):
+        turns = angles[:, axis] / (2.0 * math.pi)
+        place = size * (turns - jnp.floor(turns))
+        first = jnp.ceil(place - 0.5 * width)
+        numbers = first[:, None] + jnp.arange(width)
+        along.append((numbers.astype(int) % size, _kernel(numbers - place[:, None], width)))
+    (x, of_x), (y, of_y), (z, of_z) = along
+    rows = x[:, :, None] * sizes[1] + y[:, None, :]
+    places = rows[..., None] * sizes[2] + z[:, None, None, :]
+    weights = of_x[:, :, None, None] * of_y[:, None, :, None] * of_z[:, None, None, :]
+    return places.reshape(len(angles), -1), weights.reshape(len(angles), -1)
+
+
+def _kernel(distance: Array, width: int) -> Array:
+    """The kernel at distances in grid points, of a support of `width`."""
+    # Not quite zero at its edge, where the root has no derivative.
+    inside = jnp.maximum(1.0 - (2.0 / width * distance) ** 2, 1e-30)
+    return jnp.exp(STEEPNESS * width * (jnp.sqrt(inside) - 1.0))
+
+
+def _kernel_width(tolerance: float) -> int:
+    """Grid points that the kernel covers: one for each decimal digit, and two more."""
+    return math.ceil(-math.log10(tolerance)) + 2
+
+
+def _sizes(shape: Shape, tolerance: float) -> Shape:
+    least = 2 * _kernel_width(tolerance)
+    x, y, z = (
+        next_fast_len(max(least, math.ceil(UPSAMPLING * count)), real=False) for count in shape
+    )
+    return x, y, z
+
+
+def _numbers(count: int) -> np.ndarray:
+    return np.arange(count) - count // 2
+
+
+def _chosen(transformed: Array, shape: Shape) -> Array:
+    """The wanted modes, in the order of their numbers."""
+    for axis, count in enumerate(shape, start=1):
+        transformed = jnp.take(transformed, _numbers(count), axis=axis, mode="wrap")
+    return transformed
+
+
+def _kernel_modes(shape: Shape, sizes: Shape, width: int) -> Float[np.ndarray, "x y z"]:
+    x, y, z = (_kernel_mode(n, size, width) for n, size in zip(shape, sizes, strict=True))
+    return x[:, None, None] * y[:, None] * z
+
+
+@cache
+def _kernel_mode(count: int, size: int, width: int) -> Float[np.ndarray, " mode"]:
+    """Fourier transform of the kernel at the wave numbers of an axis, in grid points."""
+    nodes, weights = np.polynomial.legendre.leggauss(4 * width + 20)
+    values = np.exp(STEEPNESS * width * (np.sqrt(1.0 - nodes**2) - 1.0))
+    waves = np.pi * width / size * _numbers(count)
+    found: np.ndarray = 0.5 * width * np.cos(np.outer(waves, nodes)) @ (weights * values)
+    return found
