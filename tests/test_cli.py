@@ -35,7 +35,7 @@ CASE = ["--diameter", "6", "--packing", "0.2"]
         ([*CASE, "--law", "hooke"], ["law = 'hooke'", "skalak or neo_hookean"]),
         (["--diameter", "six", "--packing", "0.2"], ["--diameter", "six", "a number > 0"]),
         (["--diamter", "6"], ["--diamter", "--diameter"]),
-        ([*CASE, "--units", "CGS"], ["CGS", "SI"]),
+        ([*CASE, "--units", "CGS"], ["CGS", 'allowed: "dimensionless", "SI"']),
         (["missing.toml"], ["'missing.toml'", "cannot be read"]),
     ],
 )

@@ -270,8 +270,8 @@ def main() -> None:
         if left:
             wrong = wrong or f"left {left[0]}"
         counts[f"status {status}" if status is not None else "given up"] += 1
-        if wrong and status is not None:
-            counts["FAULTS"] += 1
+        if wrong:
+            counts["FAULTS"] += status is not None
             print(f"{number}: {wrong}: {tried}\n{said[-1500:]}", flush=True)
     for what, count in sorted(counts.items()):
         print(f"{what}: {count}")

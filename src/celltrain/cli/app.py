@@ -86,7 +86,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     try:
         status = app(arguments, exit_on_error=False, print_error=False)
     except (CaseError, CycloptsError) as error:
-        errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
+        words = str(error).replace(". Choose from: ", "; allowed: ")
+        errors.print(f"celltrain: {words}", markup=False, highlight=False, soft_wrap=True)
         return ExitStatus.BAD_INPUT
     except ComputationFailed as error:
         errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
