@@ -65,13 +65,13 @@ def allowed_values(field: FieldInfo | None) -> str:
         return "see the documentation of this section"
     limits = allowed_range(field)
     nouns = {float: "a number", int: "a whole number"}
-    noun = nouns.get(plain_type(field), "")
+    noun = next((each for kind, each in nouns.items() if plain_type(field) is kind), "")
     extra = field.json_schema_extra
     reason = f" ({extra['reason']})" if isinstance(extra, dict) and "reason" in extra else ""
     return f"allowed: {' '.join(part for part in (noun, limits) if part)}{reason}"
 
 
-def plain_type(field: FieldInfo) -> Any:
+def plain_type(field: FieldInfo) -> object:
     """The type of a field's values, without what is checked of them and without None."""
     kinds = [kind for kind in get_args(field.annotation) if kind is not NoneType]
     if len(kinds) != len(get_args(field.annotation)):

@@ -31,6 +31,12 @@ class Section(BaseModel):
         given: dict[str, Any] = {name: leaves[name] for name in cls.model_fields if name in leaves}
         return cls(**given)
 
+    @classmethod
+    def read(cls, values: Mapping[str, object]) -> Self:
+        """A section of values as a file has them."""
+        given: dict[str, Any] = dict(values)
+        return cls(**given)
+
     # Hidden from type checkers, which should see the fields as the arguments.
     if not TYPE_CHECKING:
 

@@ -9,7 +9,7 @@ from celltrain.contract import OfStability, analysis_named, commands
 from celltrain.diagnostics import mode_motion
 from celltrain.diagnostics.mechanisms import ModeTurning
 from celltrain.parameters import CaseError
-from celltrain.quantities import Quantity, numbers, quantities
+from celltrain.quantities import Quantity, Record, numbers, quantities
 from celltrain.stability import Mode, Stability, TransientMode
 from celltrain.steady import Base
 
@@ -92,7 +92,7 @@ def further(analyses: Iterable[str]) -> dict[str, Column]:
     return found
 
 
-def further_analysis(name: str) -> OfStability[Any]:
+def further_analysis(name: str) -> OfStability[Record]:
     """An analysis of a case's stability, with its usual settings.
 
     Raises:

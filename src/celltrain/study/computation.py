@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from celltrain.contract import Silent
 from celltrain.parameters import CaseError, Train
@@ -27,7 +27,7 @@ class Computation(Protocol):
     """What is computed of a case; it travels to the workers."""
 
     @property
-    def settings(self) -> dict[str, Any]:
+    def settings(self) -> dict[str, object]:
         """What is computed, in what JSON can hold; other settings make other results."""
 
     def __call__(self, train: Train, start: Base | None) -> Outcome:
@@ -44,7 +44,7 @@ class StabilityOfCase:
     computed: Computed
 
     @property
-    def settings(self) -> dict[str, Any]:
+    def settings(self) -> dict[str, object]:
         """See `Computation`."""
         return self.computed.model_dump()
 

@@ -143,7 +143,7 @@ def describe(values: Mapping[str, AxisValue]) -> str:
     )
 
 
-def make_study(content: Mapping[str, Any]) -> Study:
+def make_study(content: Mapping[str, object]) -> Study:
     """A study from the content of a study file.
 
     Raises:
@@ -152,7 +152,7 @@ def make_study(content: Mapping[str, Any]) -> Study:
     """
     unknown_part(content, PARTS)
     parts = {name: section_of(name, content) for name in ("case", "axes", "compute")}
-    units = content.get("units", "dimensionless")
+    units = str(content.get("units", "dimensionless"))
     case = {**parts["case"], "units": units, "unusual": content.get("unusual", False)}
     fixed = flatten(parts["case"], SI_LEAVES if units == "SI" else LEAVES)
     axes = tuple(_axis(name, given, fixed, units) for name, given in parts["axes"].items())
@@ -161,7 +161,7 @@ def make_study(content: Mapping[str, Any]) -> Study:
     count = int(np.prod([len(axis.values) for axis in axes], dtype=float))
     if count > MOST_CASES:
         raise CaseError(f"a study of {count} cases is not allowed; allowed: at most {MOST_CASES}")
-    computed = Computed(**parts["compute"])
+    computed = Computed.read(parts["compute"])
     further(computed.analyses)  # refused before anything is computed
     return Study(
         title=str(content.get("title", "study")),
@@ -185,7 +185,7 @@ def unknown_part(content: Mapping[str, object], allowed: tuple[str, ...]) -> Non
         )
 
 
-def section_of(name: str, content: Mapping[str, object]) -> Mapping[str, Any]:
+def section_of(name: str, content: Mapping[str, object]) -> Mapping[str, object]:
     """A section of a study file, empty if it is not there.
 
     Raises:

@@ -180,7 +180,7 @@ def make_sampled_study(content: Mapping[str, object]) -> SampledStudy:
     units = str(content.get("units", "dimensionless"))
     settings = {"units": units, "unusual": content.get("unusual", False)}
     drawn = _sample(sample, indices=len(given) > 1)
-    computed = ComputedOfDraws(**compute)
+    computed = ComputedOfDraws.read(compute)
     # In an order of their own: the one in the file changes no point.
     names = tuple(sorted(given))
     if not names:
