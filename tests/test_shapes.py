@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import celltrain
+import celltrain.runtime
 from celltrain.harmonics import (
     degree_of,
     displaced,

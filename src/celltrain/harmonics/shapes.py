@@ -9,7 +9,7 @@ All functions take arrays of NumPy and of JAX, and give back what they took.
 """
 
 import math
-from typing import Any, Protocol, Self, TypeVar, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -43,7 +43,7 @@ class Numbers(Protocol):
         """Product of matrices."""
         ...
 
-    def swapaxes(self, first: int, second: int, /) -> Self:
+    def swapaxes(self, first: int, second: int, /) -> "Numbers":
         """The array with two axes exchanged."""
         ...
 
