@@ -8,12 +8,12 @@ import numpy as np
 from celltrain.explore.curves import GrowthCurves
 from celltrain.explore.drawing import Drawn, mode_key
 from celltrain.explore.reading import Reading
-from celltrain.pictures.spectrum import COLORS, close_view
+from celltrain.pictures.spectrum import close_view
+from celltrain.pictures.style import COLORS, VERMILION
 from celltrain.stability import InfiniteTrain, Stability, TransientGrowth
 
 Figure = dict[str, Any]
 INK, QUIET, LINE, OTHERS = "#1f2933", "#5b6875", "#d5dbe1", "#b4bcc4"
-VERMILION, BLUE = "#D55E00", "#0072B2"
 #: Shapes of points by azimuthal number, for who does not see the colours.
 SYMBOLS = ("circle", "diamond", "square", "triangle-up")
 FONT = {"family": "system-ui, -apple-system, Segoe UI, Roboto, sans-serif", "size": 12}

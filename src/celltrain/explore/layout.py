@@ -7,7 +7,7 @@ from dash import dcc, html
 from celltrain.explore.figures import figure
 from celltrain.explore.maps import shown_numbers
 from celltrain.explore.opened import Opened
-from celltrain.pictures.spectrum import COLORS
+from celltrain.pictures.style import COLORS
 from celltrain.results.version import version
 
 #: How all figures behave.

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from celltrain.explore.figures import BLUE, INK, QUIET, VERMILION, Figure, axis, figure
+from celltrain.explore.figures import INK, QUIET, Figure, axis, figure
 from celltrain.parameters import CaseError, Scales, Train, merge_case
 from celltrain.parameters.routing import DIMENSIONS
-from celltrain.pictures.spectrum import COLORS
+from celltrain.pictures.style import BLUE, COLORS, VERMILION
 from celltrain.study import StudyResult
 
 #: What a map may show: name in the study, and how it is called.

@@ -35,7 +35,7 @@ from celltrain.explore.maps import shown_numbers, study_figure
 from celltrain.explore.reading import Reading
 from celltrain.explore.report import headline, motion, rows, title
 from celltrain.parameters import CaseError
-from celltrain.pictures.spectrum import COLORS
+from celltrain.pictures.style import COLORS
 from celltrain.quantities import Record
 from celltrain.results.version import version
 from celltrain.stability import InfiniteTrain, Stability, TransientGrowth

@@ -3,9 +3,10 @@
 import numpy as np
 
 from celltrain.evolution import Run
-from celltrain.explore.figures import BLUE, INK, VERMILION, Figure, axis, figure, logarithmic
+from celltrain.explore.figures import INK, Figure, axis, figure, logarithmic
 from celltrain.explore.reading import Reading
 from celltrain.pictures.run import run_growth, spread
+from celltrain.pictures.style import BLUE, VERMILION
 
 # More points than a curve's width shows.
 MOST_POINTS = 600

@@ -39,6 +39,7 @@ from celltrain.paper.viscosity_ratio import (
 )
 from celltrain.parameters import read_case
 from celltrain.pictures.study import mark_cases
+from celltrain.pictures.style import VERMILION
 from celltrain.study import Study, make_study
 
 
@@ -107,7 +108,6 @@ def draw_transient_map(data: Resolutions, path: Path) -> Path:
 
 
 #: Color of the contours at the other resolution.
-OTHER = "#D55E00"
 
 
 def _draw(
@@ -128,14 +128,14 @@ def _draw(
         lines = axes.contour(
             *grid,
             levels=contours,
-            colors="k" if number == 0 else OTHER,
+            colors="k" if number == 0 else VERMILION,
             linestyles="solid" if number == 0 else "dashed",
             linewidths=0.9,
         )
         if number == 0:
             axes.clabel(lines, fontsize=8)
             mark_cases(axes, values)
-        color, style = ("k", "-") if number == 0 else (OTHER, "--")
+        color, style = ("k", "-") if number == 0 else (VERMILION, "--")
         axes.plot([], [], style, color=color, linewidth=0.9, label=RESOLUTION_LABELS[name])
     figure.colorbar(filled, ax=axes, label=label)
     axes.set(xlabel=r"$\phi$", ylabel=r"$D/r_0$")

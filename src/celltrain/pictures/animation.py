@@ -9,8 +9,8 @@ from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.figure import Figure
 
 from celltrain.parameters import CaseError, Train
-from celltrain.pictures.evolution import case_title, check_frames, make_scene
-from celltrain.pictures.train import INK
+from celltrain.pictures.evolution import check_frames, make_scene
+from celltrain.pictures.style import INK, case_title
 
 WIDTH = 8.0
 DOTS = 110

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from celltrain.continuation import StabilityBoundary
+from celltrain.pictures.style import COLORS
 
 
 def draw_stability_boundary(boundaries: dict[str, StabilityBoundary], path: Path) -> Path:
@@ -16,14 +17,13 @@ def draw_stability_boundary(boundaries: dict[str, StabilityBoundary], path: Path
     """
     figure = Figure(figsize=(5.6, 4.4), dpi=200, layout="constrained")
     axes = figure.add_subplot()
-    colors = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
     places = np.array(
         [[p.diameter, p.packing] for each in boundaries.values() for p in each.points]
     )
     # Directions as they look: both axes in parts of what is drawn.
     size = np.maximum(np.ptp(places, axis=0), 0.02 * np.abs(places).max(axis=0))
     for number, (name, boundary) in enumerate(boundaries.items()):
-        color = colors[number % len(colors)]
+        color = COLORS[number % len(COLORS)]
         curve = np.array([[point.diameter, point.packing] for point in boundary.points])
         axes.plot(*curve.T, "o-", color=color, markersize=4, label=name)
         for point, place in zip(boundary.points, curve, strict=True):

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from celltrain.continuation import Branch
+from celltrain.pictures.style import BLUE, VERMILION
 
 
 def draw_branch(branch: Branch, path: Path) -> Path:
@@ -25,8 +26,8 @@ def draw_branch(branch: Branch, path: Path) -> Path:
     figure = Figure(figsize=(4.2 * len(columns), 3.8), dpi=200, layout="constrained")
     folds = list(branch.folds)
     for axes, (label, numbers) in zip(figure.subplots(1, len(columns)), columns, strict=True):
-        axes.plot(values, numbers, color="#0072B2", marker="o", markersize=3.5, linewidth=1.3)
-        axes.plot(values[folds], numbers[folds], "s", color="#D55E00", markersize=7, zorder=4)
+        axes.plot(values, numbers, color=BLUE, marker="o", markersize=3.5, linewidth=1.3)
+        axes.plot(values[folds], numbers[folds], "s", color=VERMILION, markersize=7, zorder=4)
         axes.set_xlabel(branch.parameter.replace("_", " "))
         axes.set_ylabel(label)
         axes.tick_params(direction="in", top=True, right=True)

@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from celltrain.pictures.spectrum import COLORS, OTHERS
+from celltrain.pictures.spectrum import OTHERS
+from celltrain.pictures.style import COLORS
 from celltrain.stability import InfiniteTrain
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from celltrain.parameters import CaseError
+from celltrain.pictures.style import BLUE
 from celltrain.stability import Stability
 
 
@@ -28,7 +29,7 @@ def draw_error_bars(result: Stability, path: Path) -> Path:
         ([bar.by_degree for bar in bars], 4.0, "#56B4E9"),
     ):
         axes.errorbar(places, rates, yerr=sizes, fmt="none", ecolor=color, elinewidth=width)
-    axes.plot(places, rates, "o", color="#0072B2", zorder=3)
+    axes.plot(places, rates, "o", color=BLUE, zorder=3)
     axes.axhline(0.0, color="0.3", linewidth=0.8)
     names = [f"$m$ = {bar.mode.azimuthal_number}\n$j$ = {bar.mode.wave_number}" for bar in bars]
     axes.set_xticks(places, names, fontsize=8)

@@ -15,12 +15,11 @@ from celltrain.harmonics import Shapes, degree_of, displaced_along, mean_points
 from celltrain.parameters import CaseError, Train
 from celltrain.pictures.camera import Camera
 from celltrain.pictures.render import draw_surfaces
+from celltrain.pictures.style import BLUE, INK, VERMILION, case_title
 from celltrain.pictures.surface import Mesh, surface
-from celltrain.pictures.train import FEWEST_CELLS, INK
+from celltrain.pictures.train import FEWEST_CELLS
 from celltrain.pictures.tube import draw_tube
 
-# Okabe & Ito, safe for colour-blind readers; as in the spectrum.
-BLUE, VERMILION = "#0072B2", "#D55E00"
 # Length (r0) of the arrow of the fastest cell.
 ARROW = 1.5
 # Height over width of a tube's picture above which two of them make a row.
@@ -310,11 +309,3 @@ def check_frames(
             f"{len(times)} times of {len(shapes)} frames are not allowed: allowed is one time for"
             " each frame, and at least one"
         )
-
-
-def case_title(train: Train) -> str:
-    """What a picture says of its case."""
-    return (
-        f"$D$ = {train.tube.diameter:g} $r_0$, $\\phi$ = {train.packing:g}, $N$ = {train.cells}, "
-        f"viscosity ratio {train.flow.viscosity_ratio:g}"
-    )

@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from celltrain.diagnostics import Mechanisms
+from celltrain.pictures.style import COLORS
 
 LABELS = {
     "leading mode": r"$v_\alpha$, leading mode",
     "fastest at first": r"$v_\eta$, fastest at first",
 }
-COLORS = ("#0072B2", "#D55E00")
 
 
 def draw_strain_energies(found: Mechanisms, path: Path) -> Path:
@@ -25,7 +25,7 @@ def draw_strain_energies(found: Mechanisms, path: Path) -> Path:
     parts = tuple(found.strains[0].energies)
     places = np.arange(len(parts) + 1)
     largest = 0.0
-    for offset, each, color in zip((-0.2, 0.2), found.strains, COLORS, strict=True):
+    for offset, each, color in zip((-0.2, 0.2), found.strains, COLORS, strict=False):
         values = np.array(list(each.energies.values()))
         heights = np.append(values, values.sum())
         largest = max(largest, float(np.abs(values).max()))
@@ -45,7 +45,7 @@ def draw_deformation_spectra(found: Mechanisms, path: Path) -> Path:
     """
     figure = Figure(figsize=(5.6, 3.8), dpi=200, layout="constrained")
     axes = figure.add_subplot()
-    for each, color in zip(found.strains, COLORS, strict=True):
+    for each, color in zip(found.strains, COLORS, strict=False):
         share = each.spectrum / each.spectrum.sum()
         axes.semilogy(share, "o-", color=color, markersize=4, label=LABELS[each.name])
     axes.set_xlabel("degree $n$")
@@ -66,7 +66,7 @@ def draw_mode_motions(found: Mechanisms, path: Path) -> Path:
         (r"tumbling $|\omega|$", [each.tumbling for each in found.modes]),
         (r"tank-treading $|\Omega - \omega|$", [each.tank_treading for each in found.modes]),
     )
-    for offset, (name, values), color in zip((-0.2, 0.2), parts, COLORS, strict=True):
+    for offset, (name, values), color in zip((-0.2, 0.2), parts, COLORS, strict=False):
         axes.bar(places + offset, values, width=0.38, color=color, label=name)
     names = [
         f"$m$ = {mode.azimuthal_number}\n$j$ = {mode.wave_number}\n{mode.growth_rate:.2g}"

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from celltrain.pictures.style import BLUE, GREEN, VERMILION
 from celltrain.stability import ParameterSensitivities
 
 
@@ -19,7 +20,7 @@ def draw_parameter_sensitivities(result: ParameterSensitivities, path: Path) -> 
     entries = list(result.entries.values())
     places = np.arange(len(entries))[::-1]
     growth = np.array([entry.relative for entry in entries])
-    modal.barh(places, growth, height=0.6, color=np.where(growth > 0.0, "#D55E00", "#0072B2"))
+    modal.barh(places, growth, height=0.6, color=np.where(growth > 0.0, VERMILION, BLUE))
     mode = result.mode
     modal.set_title(
         rf"(a) $m$ = {mode.azimuthal_number}, $q$ = {mode.phase / np.pi:.3g} $\pi$,"
@@ -31,7 +32,7 @@ def draw_parameter_sensitivities(result: ParameterSensitivities, path: Path) -> 
     modal.set_yticks(places, [entry.parameter.replace("_", " ") for entry in entries])
     base = result.base
     for offset, name, color, values in (
-        (0.17, "cell velocity", "#009E73", _logarithmic(result, "cell_velocity")),
+        (0.17, "cell velocity", GREEN, _logarithmic(result, "cell_velocity")),
         (-0.17, "effective viscosity", "#CC79A7", _logarithmic(result, "effective_viscosity")),
     ):
         steady.barh(places + offset, values, height=0.32, color=color, label=name)

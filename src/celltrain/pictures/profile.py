@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from celltrain.meridian.geometry import meridian_points
+from celltrain.pictures.style import INK
 from celltrain.steady import Base
 
 CELLS = 3
@@ -15,7 +16,6 @@ MARGIN = 0.35
 FILL = "#C9302C"
 EDGE = "#7A1210"
 WALL = "0.55"
-INK = "0.15"
 
 
 def draw_profile(base: Base, path: Path) -> Path:

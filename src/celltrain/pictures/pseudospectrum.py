@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from celltrain.pictures.style import VERMILION
 from celltrain.stability import Pseudospectrum
 
 
@@ -37,7 +38,7 @@ def draw_pseudospectrum(result: Pseudospectrum, path: Path) -> Path:
     axes.plot(values.real, values.imag, "o", markersize=3.5, color="black", markeredgecolor="white")
     axes.axvline(0.0, color="black", linewidth=0.8)
     for rate, name, color in (
-        (result.spectral_abscissa, r"$\alpha$", "#D55E00"),
+        (result.spectral_abscissa, r"$\alpha$", VERMILION),
         (result.numerical_abscissa, r"$\eta$", "#CC79A7"),
     ):
         axes.axvline(

@@ -9,9 +9,7 @@ from matplotlib.figure import Figure
 
 from celltrain.evolution import Run
 from celltrain.parameters import CaseError
-from celltrain.pictures.evolution import BLUE, VERMILION, case_title
-
-GREEN, PURPLE, GREY = "#009E73", "#CC79A7", "0.6"
+from celltrain.pictures.style import BLUE, GREEN, GREY, PURPLE, VERMILION, case_title
 
 
 def draw_record(run: Run, path: Path) -> Path:

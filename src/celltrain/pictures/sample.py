@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from celltrain.pictures.study import axis_label
+from celltrain.pictures.style import BLUE, SKY, VERMILION
 from celltrain.quantities.fields import unit_label
 
 #: Outputs that are drawn.
 DRAWN = ("spectral_abscissa", "cell_velocity", "effective_viscosity")
-COLOR, ACCENT, PALE = "#0072B2", "#D55E00", "#56B4E9"
 # More points than this would only hide each other.
 MOST_DOTS = 1000
 
@@ -43,14 +43,14 @@ def draw_distributions(data: xr.Dataset, path: Path) -> Path:
         output = data.sel(output=name)
         values = data[name].values
         finite = values[np.isfinite(values)]
-        axes.hist(finite, bins=_bins(finite), color=PALE, edgecolor="white", linewidth=0.3)
+        axes.hist(finite, bins=_bins(finite), color=SKY, edgecolor="white", linewidth=0.3)
         quantiles = output["quantile"]
         low, high = (float(quantiles.sel(probability=part)) for part in (0.05, 0.95))
         axes.axvspan(low, high, color="0.9", zorder=0, label="5 to 95 %")
         axes.axvline(float(output["mean"]), color="0.2", linewidth=1.2, label="mean")
         central = float(output["central"])
         axes.axvline(
-            central, color=ACCENT, linewidth=1.2, linestyle="--", label="train of the means"
+            central, color=VERMILION, linewidth=1.2, linestyle="--", label="train of the means"
         )
         axes.set_xlabel(output_label(data, name))
         axes.tick_params(direction="in", top=True, right=True)
@@ -78,7 +78,7 @@ def draw_growth(data: xr.Dataset, path: Path) -> Path:
     step = max(1, len(rates) // MOST_DOTS)
     for axes, name in zip(panels, names, strict=True):
         values = data[name].isel(matrix=slice(0, 2)).values.ravel()
-        axes.plot(values[::step], rates[::step], ".", color=COLOR, markersize=2.5, alpha=0.5)
+        axes.plot(values[::step], rates[::step], ".", color=BLUE, markersize=2.5, alpha=0.5)
         axes.set_xlabel(axis_label(data[name]))
         axes.locator_params(axis="x", nbins=4)
         axes.tick_params(direction="in", top=True, right=True)
@@ -102,8 +102,8 @@ def draw_indices(data: xr.Dataset, path: Path) -> Path:
     for axes, name in zip(panels, DRAWN, strict=True):
         output = data.sel(output=name)
         for order, offset, color, label in (
-            ("first_order", -0.2, COLOR, "first order: alone"),
-            ("total_order", 0.2, PALE, "total: with all others"),
+            ("first_order", -0.2, BLUE, "first order: alone"),
+            ("total_order", 0.2, SKY, "total: with all others"),
         ):
             _bars(axes, output, order, places + offset, color, label)
         axes.axhline(0.0, color="0.3", linewidth=0.8)

@@ -7,10 +7,11 @@ from matplotlib.figure import Figure
 
 from celltrain.continuation import BranchSearch
 from celltrain.meridian.geometry import meridian_points
+from celltrain.pictures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 
 #: Trains beyond these are counted, not drawn.
 MOST_SHAPES = 7
-EDGES = ("#7A1210", "#0072B2", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#D55E00", "0.4")
+EDGES = ("#7A1210", BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, "0.4")
 
 
 def draw_search(search: BranchSearch, path: Path) -> Path:

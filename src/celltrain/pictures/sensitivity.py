@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
+from celltrain.pictures.style import BLUE, VERMILION
 from celltrain.stability import StructuralSensitivity
 
 
@@ -34,8 +35,8 @@ def draw_structural_sensitivity(result: StructuralSensitivity, path: Path) -> Pa
     cell.set_ylabel("distance from the axis ($r_0$)")
     degrees = np.degrees(result.theta)
     for values, name, color in (
-        (result.direct, "mode $|r|$", "#0072B2"),
-        (result.adjoint, "adjoint $|l|$", "#D55E00"),
+        (result.direct, "mode $|r|$", BLUE),
+        (result.adjoint, "adjoint $|l|$", VERMILION),
         (result.sensitivity, "their product over $|<l, r>|$", "0.15"),
     ):
         lines.plot(degrees, values / values.max(), label=name, color=color, linewidth=1.5)

@@ -11,10 +11,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
+from celltrain.pictures.style import COLORS, VERMILION
 from celltrain.stability import Stability
 
 # Azimuthal numbers that matter get a colour each (Okabe & Ito, safe for colour-blind readers).
-COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 OTHERS = "0.72"
 # How many modes the close view is made to hold.
 NEAREST = 24
@@ -50,7 +50,7 @@ def draw_spectrum(result: Stability, path: Path) -> Path:
     left, right, top = close_view(growth, frequency, neutral)
     close.set_xlim(left, right)
     close.set_ylim(-top, top)
-    close.axvspan(0.0, right, color="#D55E00", alpha=0.07, linewidth=0, zorder=0)
+    close.axvspan(0.0, right, color=VERMILION, alpha=0.07, linewidth=0, zorder=0)
     close.text(
         0.99,
         0.02,
@@ -63,7 +63,7 @@ def draw_spectrum(result: Stability, path: Path) -> Path:
         color="0.35",
     )
     abscissa = result.spectral_abscissa
-    close.axvline(abscissa, color="#D55E00", linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
+    close.axvline(abscissa, color=VERMILION, linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
     close.set_title(rf"$\alpha$ = {abscissa:.3g} $U/r_0$", loc="right", fontsize=10)
     whole.set_title("(a) all modes", loc="left", fontsize=10)
     close.set_title("(b) near the imaginary axis", loc="left", fontsize=10)

@@ -13,13 +13,14 @@ from matplotlib.path import Path as Outline
 
 from celltrain.diagnostics.streamlines import AT_REST, MeridionalFlow, recirculation
 from celltrain.meridian.geometry import meridian_points
+from celltrain.pictures.style import BLUE
 from celltrain.steady import Base
 
 #: Where lines begin: the stream function over that at the wall where fluid passes, and over its
 #: largest value where it turns back.
 PASSING = (0.8, 0.5, 0.25, 0.1, 0.03, 0.01, 0.003)
 TURNING = (0.05, 0.3, 0.6, 0.9)
-MEMBRANE, INSIDE, TURNING_COLOR, TURNING_SHADE = "#B3150F", "#E9B7AE", "#0072B2", "#CFE3F1"
+MEMBRANE, INSIDE, TURNING_COLOR, TURNING_SHADE = "#B3150F", "#E9B7AE", BLUE, "#CFE3F1"
 # Of a line: largest length over the period, points over which it is drawn, and how near to its
 # beginning it is closed, over the radius of the tube.
 LONGEST, POINTS, CLOSED = 6.0, 400, 0.01

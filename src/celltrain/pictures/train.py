@@ -14,6 +14,7 @@ from celltrain.parameters import Train
 from celltrain.pictures.camera import Camera
 from celltrain.pictures.disturbance import Drawn, draw_amplitude
 from celltrain.pictures.render import draw_surfaces
+from celltrain.pictures.style import INK, case_title
 from celltrain.pictures.surface import surface
 from celltrain.pictures.tube import draw_tube
 from celltrain.stability import Stability
@@ -22,7 +23,6 @@ from celltrain.steady import Base
 # A window of a long train, and as many periods of a short one as make a train of it.
 MOST_CELLS = 12
 FEWEST_CELLS = 3
-INK = "0.15"
 
 
 def draw_base_train(base: Base, path: Path) -> Path:
@@ -36,7 +36,7 @@ def draw_base_train(base: Base, path: Path) -> Path:
     figure = _figure(
         train,
         np.asarray(shapes),
-        f"Steady train, {_case(train)}: the cells move at {base.cell_velocity:.4g} $U$.",
+        f"Steady train, {case_title(train)}: the cells move at {base.cell_velocity:.4g} $U$.",
     )
     figure.savefig(path)
     return path
@@ -95,7 +95,7 @@ def _draw_disturbed(
     figure = _figure(
         train,
         drawn.coefficients,
-        f"{name}, {_case(train)}: {facts}.\n"
+        f"{name}, {case_title(train)}: {facts}.\n"
         f"Exaggerated: drawn with a largest displacement of {drawn.displacement:.2g} $r_0$; "
         "dashed, the undisturbed cells.",
         ghost=result.base.coefficients,
@@ -229,13 +229,6 @@ def _frame(
     axes.set_ylim(low[1], high[1])
     figure.text(
         0.5, 0.1 / (picture + text), caption, ha="center", va="bottom", fontsize=9.5, color=INK
-    )
-
-
-def _case(train: Train) -> str:
-    return (
-        f"$D$ = {train.tube.diameter:g} $r_0$, $\\phi$ = {train.packing:g}, $N$ = {train.cells}, "
-        f"viscosity ratio {train.flow.viscosity_ratio:g}"
     )
 
 

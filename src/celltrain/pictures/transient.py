@@ -8,12 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from celltrain.harmonics import degree_of, real_harmonics
-from celltrain.pictures.spectrum import COLORS, OTHERS
+from celltrain.pictures.spectrum import OTHERS
+from celltrain.pictures.style import COLORS, INK
 from celltrain.stability import TransientGrowth
 
 # Largest displacement of the outlines drawn, in r0.
 DISPLACEMENT = 0.25
-INK = "0.15"
 
 
 def draw_transient_growth(growth: TransientGrowth, path: Path) -> Path:
