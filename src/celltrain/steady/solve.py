@@ -58,20 +58,29 @@ def steady(
     """
     if train.resolution.degree is None:
         base = _at_enough_degrees(train, start, tolerance, max_iterations, progress)
-        return with_velocity_error(base) if estimate_error else base
+    else:
+        ways = Ways(tolerance, max_iterations, progress)
+        base = _found(train, start, ways, also_from_rest=True)
+    return with_velocity_error(base) if estimate_error else base
+
+
+def _found(train: Train, start: Base | None, ways: Ways, *, also_from_rest: bool) -> Base:
+    """The train at its degree; `also_from_rest`: where no way leads there from `start`."""
     seconds: dict[str, float] = {}
+    most = ways.left
     with timed(seconds, "base"):
         check_room(train)
-        ways = Ways(tolerance, max_iterations, progress)
         if start is None:
             followed, origin = ways.from_rest(train)
         else:
-            followed, origin = ways.from_train(start.train, start.profile, train)
+            followed, origin = ways.from_train(
+                start.train, start.profile, train, also_from_rest=also_from_rest
+            )
         base = describe(followed.problem, followed.iterated, origin)
     base = replace(base, seconds=seconds)
     if not followed.complete:
-        raise NotConverged(_complaint(train, ways.tried, tolerance, max_iterations), base)
-    return with_velocity_error(base) if estimate_error else base
+        raise NotConverged(_complaint(train, ways.tried, ways.tolerance, most), base)
+    return base
 
 
 def _at_enough_degrees(
@@ -135,10 +144,13 @@ def with_finer_rules(base: Base) -> Base:
 def at_degree(base: Base, degree: int, *, progress: IterationProgress | None = None) -> Base:
     """The same train at another degree, without an estimate of the velocity's error.
 
+    One that is found from rest might be another train, and is not looked for.
+
     **Raises:** `NotConverged` if it is not found, `CaseError` if the case does not allow it.
     """
     train = base.train.changed(degree=degree)
-    found = steady(train, start=base, estimate_error=False, progress=progress)
+    ways = Ways(TOLERANCE, MOST_ITERATIONS, progress)
+    found = _found(train, base, ways, also_from_rest=False)
     return replace(found, history=base.history + found.history, origin=base.origin)
 
 

@@ -74,7 +74,9 @@ class Ways:
             ways.append((how, lambda: self._rising(self._eased(begin, train), moderate, train)))
         return ways
 
-    def from_train(self, begin: Train, profile: Profile, train: Train) -> tuple[Followed, str]:
+    def from_train(
+        self, begin: Train, profile: Profile, train: Train, *, also_from_rest: bool
+    ) -> tuple[Followed, str]:
         """The train that continues another one, or where the last way has ended; and how."""
         origin = f"continuation from {describe_change(begin, train)}"
 
@@ -87,8 +89,9 @@ class Ways:
             at_degree = begin.changed(degree=train.degree, **_no_sizes())
             way = f"{origin}, at degree {train.degree} from the beginning"
             ways.append((way, lambda: self._along(self._raised(start(), at_degree), train)))
-        # A march from rest whose degree is raised would come by the same train again.
-        ways += self._from_rest(train, march=not alike)
+        if also_from_rest:
+            # A march from rest whose degree is raised would come by the same train again.
+            ways += self._from_rest(train, march=not alike)
         return self._first(ways)
 
     def _first(self, ways: Sequence[Way]) -> tuple[Followed, str]:
