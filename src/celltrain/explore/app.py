@@ -25,11 +25,13 @@ from celltrain.explore.figures import (
     spectrum_figures,
     wave_figures,
 )
+from celltrain.explore.film import film_drawing
 from celltrain.explore.layout import page
 from celltrain.explore.maps import ring_at, study_figure
 from celltrain.explore.opened import Opened
 from celltrain.explore.reading import Reading
 from celltrain.explore.report import report
+from celltrain.explore.simulation import simulation_figure
 from celltrain.parameters import CaseError
 from celltrain.results import save
 from celltrain.stability import InfiniteTrain
@@ -189,8 +191,6 @@ def _add_curves(app: Dash, opened: Opened, engine: Engine) -> None:
             return patch
 
     if opened.run is not None:
-        from celltrain.explore.simulation import simulation_figure  # and with it JAX
-
         run = opened.run
 
         @app.callback(Output("simulation", "figure"), Input("shown", "data"))
@@ -222,8 +222,6 @@ def _add_files(app: Dash, opened: Opened, engine: Engine) -> None:
         return Response(str(error), 400, mimetype="text/plain")
 
     if opened.run is not None:
-        from celltrain.explore.film import film_drawing
-
         run = opened.run
 
         @app.server.route("/film.json")

@@ -2,18 +2,15 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
 
 from celltrain.contract import load, presentation
+from celltrain.evolution import Run
 from celltrain.explore.address import USUAL, View
 from celltrain.explore.maps import first_place, shown_numbers, train_at
 from celltrain.parameters import CaseError, merge_case, read_case
 from celltrain.quantities import Record
 from celltrain.steady import Base
 from celltrain.study import StudyResult
-
-if TYPE_CHECKING:
-    from celltrain.evolution import Run  # and with it JAX
 
 #: The file in a study's folder that holds its numbers.
 STUDY_FILE = "study.nc"
@@ -26,7 +23,7 @@ class Opened:
     view: View
     name: str = ""
     start: Base | None = None
-    run: "Run | None" = None
+    run: Run | None = None
     study: StudyResult | None = None
 
 
@@ -84,5 +81,5 @@ def _of_result(result: Record, path: Path) -> Opened:
             )
         return Opened(View(train_at(result, first_place(result))), path.name, study=result)
     base = presentation(result.kind).steady_train(result)
-    run = cast("Run", result) if result.kind == "simulation" else None
+    run = result if isinstance(result, Run) else None
     return Opened(View(base.train), path.name, base, run)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from celltrain.contract import presentation
+from celltrain.evolution import Run
 from celltrain.explore.drawing import (
     LEADING,
     Drawn,
@@ -31,9 +32,11 @@ from celltrain.explore.figures import (
     transient_curves,
     wave_figures,
 )
+from celltrain.explore.film import film_drawing
 from celltrain.explore.maps import shown_numbers, study_figure
 from celltrain.explore.reading import Reading
 from celltrain.explore.report import headline, motion, rows, title
+from celltrain.explore.simulation import simulation_figure
 from celltrain.parameters import CaseError
 from celltrain.pictures.spectrum import COLORS
 from celltrain.quantities import Record
@@ -101,7 +104,7 @@ def _content(result: Record) -> dict[str, Any]:
         if not drawn:
             raise CaseError("this study has no page: none of its cases has a steady train")
         return {"title": result.data.attrs.get("title", "Study"), "figures": drawn}
-    if result.kind == "simulation":
+    if isinstance(result, Run):
         return _of_simulation(result)
     if isinstance(result, TransientGrowth):
         content = train_content(result.result)
@@ -152,10 +155,7 @@ def train_content(result: Stability | InfiniteTrain | Base) -> dict[str, Any]:
     return content
 
 
-def _of_simulation(run: Any) -> dict[str, Any]:
-    from celltrain.explore.film import film_drawing  # and with it JAX
-    from celltrain.explore.simulation import simulation_figure
-
+def _of_simulation(run: Run) -> dict[str, Any]:
     content = train_content(run.start)
     reading = Reading("dimensionless", run.train.scales)
     growth = _titled(

@@ -20,11 +20,11 @@ from celltrain.evolution.record.quantities import STEP_QUANTITIES
 from celltrain.evolution.record.run import Run
 from celltrain.evolution.start import at_degree
 from celltrain.evolution.wall_resolution import LARGEST, followed
+from celltrain.membrane import place_cells
 from celltrain.parameters import CaseError, Train
 from celltrain.results import only_writer, remove_leftovers
 from celltrain.stability import Stability
 from celltrain.steady import Base
-from celltrain.train import place_cells
 
 SAVE_SECONDS = 30.0
 EVERY = 1.0
