@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from dash import ClientsideFunction, Dash, Input, Output, Patch, State, no_update
+from dash import ClientsideFunction, Dash, Input, Output, Patch, State
 from dash.exceptions import PreventUpdate
 from flask import Response, request
 
@@ -62,13 +62,10 @@ def make_app(opened: Opened, engine: Engine) -> Dash:
 
 
 def _add_pictures(app: Dash, opened: Opened, engine: Engine) -> None:
-    """Answers that draw the train and its spectrum."""
-    spectra = [Output(name, "figure") for name in _SPECTRA]
-    again = [Output(name, "figure", allow_duplicate=True) for name in _SPECTRA]
+    """Answers that draw the train and its spectrum: the train first, by the scripts."""
 
     @app.callback(
         Output("shown", "data"),
-        *spectra,
         Input("change", "data"),
         State("shown", "data"),
         State("asked-mode", "data"),
@@ -77,29 +74,28 @@ def _add_pictures(app: Dash, opened: Opened, engine: Engine) -> None:
     )
     def respond(
         change: Mapping[str, Any], before: Mapping[str, Any] | None, mode: str | None, page: str
-    ) -> tuple[Any, Any, Any]:
+    ) -> dict[str, Any]:
         number = engine.ask(page)
         view = opened.view if before is None else view_of(before["address"], opened.view.train)
         asked = {"number": number, "place": change.get("place")}
         try:
             view = view_after(view, change, opened)
         except CaseError as error:
-            return _refused(view, asked, str(error), change), no_update, no_update
+            return _refused(view, asked, str(error), change)
         try:
             picture = engine.coarse(view)
         except (CaseError, NotConverged) as error:
-            return _refused(view, asked, _words(error), {}), no_update, no_update
+            return _refused(view, asked, _words(error), {})
         return _answer(picture, asked, mode)
 
     @app.callback(
         Output("shown", "data", allow_duplicate=True),
-        *again,
         Input("shown", "data"),
         State("asked-mode", "data"),
         State("page", "data"),
         prevent_initial_call=True,
     )
-    def rest(shown: Mapping[str, Any], mode: str | None, page: str) -> tuple[Any, Any, Any]:
+    def rest(shown: Mapping[str, Any], mode: str | None, page: str) -> dict[str, Any]:
         if shown.get("message") or shown["converged"]:
             raise PreventUpdate
         number = shown["number"]
@@ -111,7 +107,7 @@ def _add_pictures(app: Dash, opened: Opened, engine: Engine) -> None:
             raise PreventUpdate from None
         except (CaseError, NotConverged) as error:
             message = f"Only coarse: {_words(error)}"
-            return {**shown, "message": message, "stage": "coarse"}, no_update, no_update
+            return {**shown, "message": message, "stage": "coarse"}
         return _answer(picture, {"number": number}, mode)
 
     @app.callback(
@@ -234,16 +230,14 @@ def _file(content: bytes, name: str, kind: str) -> Response:
     return Response(content, headers=headers, mimetype=kind)
 
 
-def _answer(
-    picture: Picture, asked: Mapping[str, Any], mode: str | None
-) -> tuple[dict[str, Any], Any, Any]:
+def _answer(picture: Picture, asked: Mapping[str, Any], mode: str | None) -> dict[str, Any]:
     """What the page shows of a picture."""
     view, result = picture.view, picture.result
     reading = _reading(view)
     draw = wave_figures if isinstance(result, InfiniteTrain) else spectrum_figures
     drawn = mode_drawing(result, mode, reading)
-    whole, close = draw(result, reading, drawn)  # type: ignore[arg-type]
-    shown = {
+    spectra = draw(result, reading, drawn)  # type: ignore[arg-type]
+    return {
         **asked,
         "address": view.address,
         "controls": control_panel(view),
@@ -252,8 +246,8 @@ def _answer(
         "mode": drawn,
         "converged": picture.converged,
         "message": "",
+        "figures": dict(zip(_SPECTRA, spectra, strict=True)),
     }
-    return shown, whole, close
 
 
 def _refused(
