@@ -41,8 +41,8 @@ def film_of(
     step, text = packed(shapes, most_bytes)
     error = rounding_error(shapes, step)
     words = (
-        f"Simulation of {shapes.shape[1]} cells, {len(times)} frames until t ="
-        f" {times[-1]:.4g} r₀/U: {ending.replace('r0', 'r₀')}."
+        f"Simulation of {shapes.shape[1]} cells, drawn at its degree {train.degree}, {len(times)}"
+        f" frames until t = {times[-1]:.4g} r₀/U: {ending.replace('r0', 'r₀')}."
         + (f" Drawn to {error:.0e} r₀." if error > 1e-3 else "")
     )
     return {
