@@ -27,7 +27,6 @@ from celltrain.explore.figures import (
 )
 from celltrain.explore.film import film_drawing
 from celltrain.explore.layout import page
-from celltrain.explore.maps import ring_at, study_figure
 from celltrain.explore.opened import Opened
 from celltrain.explore.reading import Reading
 from celltrain.explore.report import report
@@ -172,18 +171,20 @@ def _add_curves(app: Dash, opened: Opened, engine: Engine) -> None:
 
         @app.callback(Output("map", "figure"), Input("map-number", "value"))
         def show_map(name: str) -> Any:
-            return study_figure(study, name)
+            return study.figure(name)
 
         @app.callback(
             Output("map", "figure", allow_duplicate=True),
             Input("change", "data"),
+            State("map-number", "value"),
             prevent_initial_call=True,
         )
-        def mark(change: Mapping[str, Any]) -> Any:
-            if "place" not in change:
+        def mark(change: Mapping[str, Any], name: str) -> Any:
+            ring = study.ring(change["place"], name) if "place" in change else None
+            if ring is None:
                 raise PreventUpdate
             patch = Patch()
-            patch["data"][-1].update(ring_at(study, change["place"]))
+            patch["data"][-1].update(ring)
             return patch
 
     if opened.run is not None:

@@ -33,17 +33,17 @@ from celltrain.explore.figures import (
     wave_figures,
 )
 from celltrain.explore.film import film_drawing
-from celltrain.explore.maps import shown_numbers, study_figure
+from celltrain.explore.overview import overview_of
 from celltrain.explore.reading import Reading
 from celltrain.explore.report import headline, motion, rows, title
+from celltrain.explore.samples import sample_headline, sample_rows
 from celltrain.explore.simulation import simulation_figure
-from celltrain.parameters import CaseError
 from celltrain.pictures.spectrum import COLORS
 from celltrain.quantities import Record
 from celltrain.results.version import version
 from celltrain.stability import InfiniteTrain, Stability, TransientGrowth
 from celltrain.steady import Base
-from celltrain.study import StudyResult
+from celltrain.study import SampleResult, StudyResult
 
 ASSETS = Path(__file__).parent / "assets"
 SCRIPTS = ("harmonics.js", "film.js", "stage.js", "player.js", "numbers.js", "page.js")
@@ -96,14 +96,8 @@ def _legend() -> str:
 
 def _content(result: Record) -> dict[str, Any]:
     """What a page holds of a result, whatever its kind."""
-    if isinstance(result, StudyResult):
-        drawn = {
-            name: _titled(words, study_figure(result, name), "white line: 0")
-            for name, words in shown_numbers(result).items()
-        }
-        if not drawn:
-            raise CaseError("this study has no page: none of its cases has a steady train")
-        return {"title": result.data.attrs.get("title", "Study"), "figures": drawn}
+    if isinstance(result, StudyResult | SampleResult):
+        return _of_study(result)
     if isinstance(result, Run):
         return _of_simulation(result)
     if isinstance(result, TransientGrowth):
@@ -152,6 +146,20 @@ def train_content(result: Stability | InfiniteTrain | Base) -> dict[str, Any]:
             "waves": _titled("Waves of the infinite train", dispersion_figure(result, reading)),
             "close": _titled("Near the imaginary axis", close, "click a point to play its wave"),
         }
+    return content
+
+
+def _of_study(result: StudyResult | SampleResult) -> dict[str, Any]:
+    study = overview_of(result)
+    content: dict[str, Any] = {
+        "title": result.data.attrs.get("title", "Study"),
+        "figures": {
+            name: _titled(words, study.figure(name), study.notes[name])
+            for name, words in study.names.items()
+        },
+    }
+    if isinstance(result, SampleResult):
+        content |= {"headline": sample_headline(result), "rows": sample_rows(result)}
     return content
 
 
