@@ -26,7 +26,7 @@ def view_after(view: View, change: Mapping[str, Any], opened: Opened) -> View:
             view = opened.view
     if "place" in change and opened.study is not None:
         train = opened.study.train(change["place"])
-        view = replace(view, train=train.changed(scales=view.train.scales))
+        view = replace(view, train=train.changed(scales=view.train.scales, unusual=True))
     if "units" in change:
         units: Units = "SI" if change["units"] == "SI" else "dimensionless"
         view = replace(view, units=units)
