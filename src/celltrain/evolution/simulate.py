@@ -14,7 +14,7 @@ from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import March, SimulationProgress
 from celltrain.evolution.methods import Manner, Method, RungeKuttaChebyshev, Step, Work
-from celltrain.evolution.record.archive import Archive
+from celltrain.evolution.record.archive import SAVE_SECONDS, Archive
 from celltrain.evolution.record.frames import SAME_TIME
 from celltrain.evolution.record.quantities import STEP_QUANTITIES
 from celltrain.evolution.record.run import Run
@@ -26,7 +26,6 @@ from celltrain.results import only_writer, remove_leftovers
 from celltrain.stability import Stability
 from celltrain.steady import Base
 
-SAVE_SECONDS = 30.0
 EVERY = 1.0
 
 
