@@ -53,7 +53,7 @@ def wait_for(browser: Chrome, script: str, what: str) -> Any:
 def converged(browser: Chrome) -> None:
     """Wait until the explorer has computed and drawn all that it will."""
     kind = "document.getElementById('status')?.dataset.kind"
-    idle = "!window.celltrain?.explorer.busy"
+    idle = "!celltrain.explorer.busy && !celltrain.explorer.figures"
     wait_for(browser, f"{kind} === 'converged' && {idle}", "a converged picture")
 
 

@@ -25,13 +25,12 @@ from celltrain.diagnostics import (
 )
 from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis, degrees_and_orders
 from celltrain.laws import ConstitutiveLaw, ElasticBending, NeoHookean, Skalak
-from celltrain.membrane import reference_coefficients
+from celltrain.membrane import place_cells, reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Train
 from celltrain.proximity.distances import cell_distance, wall_distance
 from celltrain.proximity.walls import RoundWall
 from celltrain.stability import PaperNorm
-from celltrain.train import place_cells
 
 DEGREE = 8
 SHEAR, DILATATION, BENDING = 1.3, 19.0, 0.05

@@ -17,11 +17,12 @@ from celltrain.diagnostics import (
     perturbation_energy,
 )
 from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
+from celltrain.membrane import place_cells
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError
 from celltrain.stability import Mode, Stability, TransientMode
 from celltrain.steady import Base
-from celltrain.train import place_cells, train_membrane
+from celltrain.train import train_membrane
 
 
 def waves(

@@ -36,10 +36,10 @@ from celltrain.evolution.methods.radius import spectral_radius
 from celltrain.evolution.record.interpolation import interpolated
 from celltrain.evolution.start import at_degree
 from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
+from celltrain.membrane import place_cells
 from celltrain.proximity.overlaps import overlaps
 from celltrain.proximity.walls import RoundWall
 from celltrain.stability import PaperNorm
-from celltrain.train import place_cells
 
 
 def stiff_system() -> np.ndarray:

@@ -32,9 +32,9 @@ from celltrain.evolution import (
 from celltrain.evolution.dynamics import Dynamics
 from celltrain.evolution.record.quantities import KEPT_OF_FRAMES, STEP_QUANTITIES
 from celltrain.evolution.record.recompute import frame_rates, pressure_drops
+from celltrain.membrane import place_cells
 from celltrain.results import remove_leftovers
 from celltrain.results.replace import beside
-from celltrain.train import place_cells
 
 DISTURBANCE = RandomDisplacement(0.2, seed=2)
 

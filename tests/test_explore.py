@@ -112,14 +112,9 @@ def test_bad_values_get_the_messages_of_the_command_line(
 
 def _asked(app: object, change: dict[str, object]) -> dict[str, object]:
     """What the server answers to a change, as the page asks it."""
-    outputs = "..shown.data...spectrum-all.figure...spectrum-close.figure.."
     body = {
-        "output": outputs,
-        "outputs": [
-            {"id": "shown", "property": "data"},
-            {"id": "spectrum-all", "property": "figure"},
-            {"id": "spectrum-close", "property": "figure"},
-        ],
+        "output": "shown.data",
+        "outputs": {"id": "shown", "property": "data"},
         "inputs": [{"id": "change", "property": "data", "value": change}],
         "state": [
             {"id": "shown", "property": "data", "value": None},

@@ -45,6 +45,12 @@ pytestmark = pytest.mark.skipif(
 #: Small, so that also the converged answer is quick.
 CASE = Train(diameter=6, packing=0.3, cells=3, degree=10)
 
+#: The largest growth rate among the points of the drawn spectrum.
+_LARGEST = (
+    "Math.max(...(document.querySelector('#spectrum-close .js-plotly-plot')?.data || [])"
+    ".filter((trace) => trace.customdata).flatMap((trace) => Array.from(trace.x)))"
+)
+
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
@@ -104,6 +110,31 @@ def test_a_slider_moves_alpha_to_what_the_command_line_gives(browser: Chrome, ad
     shown = row("", wanted.spectral_abscissa, wanted.error_estimate, "")
     assert shown_alpha(browser) == shown["value"]
     assert shown_alpha(browser) != before
+
+
+def test_the_train_is_drawn_first_and_its_spectrum_follows(browser: Chrome, address: str) -> None:
+    open_page(browser, address)
+    before = wait_for(browser, _LARGEST, "the spectrum")
+    browser.execute_script(
+        """
+        window.order = [];
+        const props = dash_clientside.set_props;
+        dash_clientside.set_props = (name, given) => {
+          if (given.figure) window.order.push(name);
+          props(name, given);
+        };
+        celltrain.explorer.player.canvas.addEventListener("drawn", () => order.push("train"));
+        """
+    )
+    move(browser, "diameter")
+    wait_for(browser, "window.order.length >= 3", "the spectra")
+    assert browser.execute_script("return order.slice(0, 3)") == [
+        "train",
+        "spectrum-all",
+        "spectrum-close",
+    ]
+    converged(browser)
+    wait_for(browser, f"{_LARGEST} !== {before}", "the new spectrum")
 
 
 def test_a_field_takes_what_a_case_allows_and_tells_the_rest(browser: Chrome, address: str) -> None:

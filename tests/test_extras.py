@@ -63,7 +63,7 @@ def test_what_needs_it_says_so_at_once(computed: Path, arguments: list[str]) -> 
 
 
 @pytest.mark.parametrize(
-    "name", ["celltrain.evolve", "celltrain.Run", "celltrain.diagnostics.cell_moments"]
+    "name", ["celltrain.evolve", "celltrain.evolution.follow", "celltrain.diagnostics.cell_moments"]
 )
 def test_in_python_too(name: str, tmp_path: Path) -> None:
     package, _, attribute = name.rpartition(".")

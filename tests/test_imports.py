@@ -19,6 +19,8 @@ import pytest
         "celltrain.study",
         "celltrain.pictures",
         "celltrain.explore.page",
+        "celltrain.evolution",
+        "celltrain.explore.app",
         "celltrain.explore.engine",
     ],
 )

@@ -11,10 +11,10 @@ from numpy.testing import assert_allclose
 
 from celltrain import Base, Train, stability, steady
 from celltrain.harmonics import azimuthal_basis
+from celltrain.membrane import place_cells
 from celltrain.meridian.rules import choose_rules
 from celltrain.stability import linear_blocks
 from celltrain.stability.neighbours import couplings
-from celltrain.train import place_cells
 from celltrain.train.full_matrix import (
     FiniteDifference,
     full_matrix,

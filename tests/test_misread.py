@@ -3,6 +3,8 @@
 import os
 import subprocess
 import sys
+import tomllib
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,16 @@ import pytest
 
 from celltrain import Base, load
 from celltrain.cli import main
-from celltrain.parameters import CaseError, load_case, merge_case, read_case, relative_volume
+from celltrain.parameters import (
+    CaseError,
+    Scales,
+    Train,
+    UnusualCase,
+    load_case,
+    merge_case,
+    read_case,
+    relative_volume,
+)
 from celltrain.results import save
 from celltrain.study import read_study
 
@@ -62,7 +73,7 @@ def test_a_profile_is_that_beside_the_case_file(tmp_path: Path, monkeypatch) -> 
     monkeypatch.chdir(tmp_path)
     for name in ("short", "long"):
         train = load_case(f"{folder.name}/{name}.toml")
-        assert relative_volume(train) == pytest.approx(1.916, rel=1e-3)
+        assert relative_volume(train.cell) == pytest.approx(1.916, rel=1e-3)
     assert read_study(f"{folder.name}/study.toml").cases[0].train == train
     # On the command line it is relative to where the command runs.
     with pytest.raises(CaseError, match="No such file"):
@@ -227,3 +238,55 @@ def test_without_a_home_to_write_to(home: str) -> None:
         check=False,
     )
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (
+            lambda **more: Train.from_si(diameter=17, packing=0.2, radius=2.8, **more),
+            "radius = 2.8 m",
+        ),
+        (
+            lambda **more: Train(
+                diameter=6, packing=0.2, scales=Scales(mean_velocity=2.875), **more
+            ),
+            "mean_velocity = 2.875 m/s",
+        ),
+        (
+            lambda **more: Train(
+                diameter=16, packing=0.01, reference="profile", profile=ellipse(2.8), **more
+            ),
+            "largest radius is 4.48 r0",
+        ),
+        (
+            lambda **more: Train(diameter=16, packing=0.01).changed(
+                reference="profile", profile=ellipse(2.8), **more
+            ),
+            "largest radius is 4.48 r0",
+        ),
+    ],
+    ids=["from_si", "scales", "profile", "changed"],
+)
+def test_in_python_what_is_unusual_is_told_where_it_is_said(make, words: str) -> None:
+    with pytest.warns(UnusualCase) as told:
+        train = make()
+    [one] = told
+    assert words in str(one.message)
+    assert "usual: " in str(one.message)
+    assert one.filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert make(unusual=True) == train
+        # It has been said: what follows from the train does not say it again.
+        assert train.changed(cells=3).cells == 3
+        assert merge_case(tomllib.loads(train.to_toml()), {"unusual": True}) == train
+    with pytest.raises(CaseError, match="unusual = 'yes'"):
+        make(unusual="yes")
+
+
+def test_usual_trains_are_made_in_silence() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Train.from_si(diameter=17e-6, packing=0.2, radius=1e-6)
+        Train(diameter=16, packing=0.01, reference="profile", profile=ellipse())

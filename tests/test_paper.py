@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from drawn import drawn_by, labels
 
 from celltrain.paper import (
     FIGURES,
@@ -14,7 +15,8 @@ from celltrain.paper import (
     paper_study,
     transient_findings,
 )
-from celltrain.parameters import paper_units
+from celltrain.paper.resolutions import CONVERGED
+from celltrain.parameters import Train, paper_units
 from celltrain.study import collect
 
 
@@ -37,6 +39,20 @@ def as_printed() -> xr.Dataset:
             place = data[f"{name}_{part}"]
             place.values = (values + 0 * place.fillna(0)).transpose(*place.dims).values
     return data
+
+
+@pytest.mark.parametrize("name", ["fig6", "fig8"])
+def test_a_quick_map_names_its_degree(
+    name: str, as_printed: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    draw, path = FIGURES[name].draw, tmp_path / "map.png"
+    figure = drawn_by(lambda path: draw({CONVERGED: as_printed}, path), path, monkeypatch)
+    assert "M = 16" in labels(figure)
+    assert "converged" not in labels(figure)
+    full = as_printed.assign_attrs(case=Train(diameter=6, packing=0.2).to_toml())
+    figure = drawn_by(lambda path: draw({CONVERGED: full}, path), path, monkeypatch)
+    assert "converged" in labels(figure)
+    assert "M = 16" not in labels(figure)
 
 
 def verdicts(findings: list[Finding]) -> list[bool | None]:

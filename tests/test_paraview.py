@@ -11,13 +11,12 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 from celltrain.harmonics import UNIT_DISPLACEMENT
-from celltrain.membrane import reference_coefficients
+from celltrain.membrane import place_cells, reference_coefficients
 from celltrain.parameters import CaseError, Train
 from celltrain.pictures import evolution
 from celltrain.pictures.animation import animate
 from celltrain.pictures.evolution import WIDE, Growth, draw_snapshots, make_scene, plot_growth
 from celltrain.pictures.paraview import PolyData, closed_rings, export_paraview, write_poly_data
-from celltrain.train import place_cells
 
 TYPES = {"Float32": np.dtype("<f4"), "Int32": np.dtype("<i4")}
 

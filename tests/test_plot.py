@@ -1,5 +1,7 @@
 """The command that draws what a file holds. Nothing is simulated here."""
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,10 +20,10 @@ from celltrain.evolution.record.quantities import STEP_QUANTITIES
 from celltrain.evolution.record.recompute import FrameProgress
 from celltrain.evolution.state import Measures, State
 from celltrain.harmonics import UNIT_DISPLACEMENT
+from celltrain.membrane import place_cells
 from celltrain.pictures import run as run_pictures
 from celltrain.pictures.run import spread
 from celltrain.study import collect, make_study
-from celltrain.train import place_cells
 
 PICTURES = ["growth.png", "growth_log_time.png", "snapshots.png", "record.png"]
 
@@ -107,6 +109,37 @@ def test_the_command_draws_a_simulation_under_way(
     assert "t = 2.5 of 50 r0/U, 3 frames: not ended yet" in printed.err
     assert "velocities: 3 of 3" in printed.err
     assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "words", [["show"], ["plot", "-o", "pictures"], ["page", "-o", "page.html"]]
+)
+def test_a_simulation_is_seen_without_jax(words: list[str], path: Path, tmp_path: Path) -> None:
+    """JAX takes a second to load; what steps cells is not asked for."""
+    program = f"""
+import sys
+from celltrain.cli import main
+status = main([{words[0]!r}, {str(path)!r}, *{words[1:]!r}])
+assert status == 0, status
+assert not {{"jax", "equinox"}} & set(sys.modules)
+"""
+    subprocess.run([sys.executable, "-c", program], check=True, cwd=tmp_path)
+
+
+def test_a_simulation_is_explored_without_jax(path: Path) -> None:
+    program = f"""
+import sys
+from pathlib import Path
+from celltrain.explore.app import make_app
+from celltrain.explore.engine import Engine
+from celltrain.explore.opened import opened
+
+what = opened(Path({str(path)!r}))
+client = make_app(what, Engine(what.start)).server.test_client()
+assert client.get("/film.json").json["cells"] == 2
+assert not {{"jax", "equinox"}} & set(sys.modules)
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)
 
 
 def test_the_command_draws_results_beside_their_files(make_base, tmp_path: Path, capsys) -> None:

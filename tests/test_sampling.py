@@ -1,6 +1,10 @@
 """Studies of distributions: what they draw, what they refuse, and what they estimate."""
 
+import base64
+import gzip
+import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +14,8 @@ import scipy
 import scipy.stats
 
 from celltrain.contract import draw_all, load, show
+from celltrain.explore.opened import opened
+from celltrain.explore.overview import overview_of
 from celltrain.membrane import healthy_reduced_volume
 from celltrain.parameters import CaseError, Train
 from celltrain.parameters.resolution import LARGEST_DEGREE
@@ -415,3 +421,58 @@ def test_outputs_in_si_have_the_scales_of_each_train() -> None:
     assert float(data["gap"][1, 7]) == pytest.approx(2.0 * draw.values["radius"])
     assert float(data["effective_viscosity"][1, 7]) == pytest.approx(2.0 * 1.2e-3)
     assert float(data["central"].sel(output="cell_velocity")) == pytest.approx(2.875e-3)
+
+
+@pytest.mark.parametrize("content", [CELLS, SI], ids=["dimensionless", "SI"])
+@pytest.mark.usefixtures("few_resamples")
+def test_a_dot_in_the_browser_is_its_train(content: dict) -> None:
+    study = make_sampled_study(content)
+    result = collect_sample(study, made_up(study, ((1, 2),)))
+    shown = overview_of(result)
+    assert shown.first.leaves("SI") == pytest.approx(study.central.leaves("SI"))
+    [name] = [each for each in shown.names if each.endswith(f"over {study.names[0]}")]
+    dots, ring = shown.figure(name)["data"]
+    assert ring["x"] == []
+    # The failed train has no growth rate, and no dot.
+    assert len(dots["x"]) == 2 * study.sample.points - 1
+    for draw in study.draws:
+        place = ",".join(map(str, draw.index))
+        assert shown.train(place).leaves("SI") == pytest.approx(draw.train.leaves("SI"))
+        if place in dots["customdata"]:
+            number = dots["customdata"].index(place)
+            around = shown.ring(place, name)
+            assert around == {"x": [dots["x"][number]], "y": [dots["y"][number]]}
+            assert around["x"] == [draw.values[study.names[0]]]
+    for place in ("0", "0,16", "9,0", "-1,0", "a,b"):
+        with pytest.raises(CaseError, match="a point of the figure"):
+            shown.train(place)
+
+
+@pytest.mark.usefixtures("few_resamples")
+def test_a_sample_has_a_page(tmp_path: Path) -> None:
+    pytest.importorskip("plotly")
+    from celltrain.explore.page import page_of
+
+    study = make_sampled_study(CELLS)
+    result = collect_sample(study, made_up(study))
+    shown = overview_of(result)
+    for name in shown.names:
+        json.dumps(shown.figure(name), allow_nan=False)
+    histogram = shown.figure("distribution of spectral_abscissa")["data"][0]
+    assert sum(histogram["y"]) == 64
+    bars = shown.figure("indices of spectral_abscissa")["data"]
+    wanted = result.data["total_order"].sel(output="spectral_abscissa").values
+    assert bars[1]["y"] == pytest.approx(wanted.tolist())
+    assert shown.ring("0,1", "indices of spectral_abscissa") is None
+    save(result, tmp_path / "study.nc")
+    assert opened(tmp_path).study is not None
+    text = page_of(result)
+    content = gzip.decompress(base64.b64decode(re.search(r'page-data">([^<]+)', text)[1]))
+    found = json.loads(content)
+    assert "64 trains of 64; unstable" in found["headline"]
+    [mean] = [each for each in found["rows"] if each["name"] == "growth rate α, mean"]
+    rates = result.data["spectral_abscissa"].values
+    assert float(mean["value"]) == pytest.approx(rates.mean(), abs=float(mean["error"]))
+    nothing = collect_sample(study, replace(made_up(study), records={}))
+    with pytest.raises(CaseError, match="none of its cases has a steady train"):
+        page_of(nothing)

@@ -11,11 +11,12 @@ from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, fluid_velocity
 from celltrain.harmonics import real_harmonics
+from celltrain.membrane import place_cells
 from celltrain.meridian.rules import Rules, choose_rules
 from celltrain.steady.iterate import newton
 from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.solve import describe
-from celltrain.train import CellsOperator, place_cells, train_operator
+from celltrain.train import CellsOperator, train_operator
 
 
 class Exact(SteadyProblem):

@@ -11,9 +11,10 @@ from numpy.testing import assert_allclose
 
 from celltrain import Train
 from celltrain.harmonics import UNIT_DISPLACEMENT, axisymmetric_basis, azimuthal_basis, profile_of
+from celltrain.membrane import place_cells
 from celltrain.meridian.rules import choose_rules
 from celltrain.steady.problem import SteadyProblem
-from celltrain.train import CellsOperator, place_cells, resting_shapes, train_operator
+from celltrain.train import CellsOperator, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2
 TRAIN = Train(

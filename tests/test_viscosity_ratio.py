@@ -12,10 +12,11 @@ from numpy.testing import assert_allclose
 
 from celltrain import Train
 from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis
+from celltrain.membrane import place_cells
 from celltrain.stability import linear_blocks
 from celltrain.steady import Base, steady
 from celltrain.steady.problem import SteadyProblem
-from celltrain.train import CellsOperator, place_cells, resting_shapes, train_operator
+from celltrain.train import CellsOperator, resting_shapes, train_operator
 
 DEGREE, CELLS = 6, 2
 TRAIN = Train(

@@ -1,5 +1,6 @@
 """Formulas as MathML, which browsers draw by themselves: pages need no network and no script."""
 
+import re
 from html import escape
 from typing import Any
 
@@ -7,16 +8,26 @@ from docutils import nodes
 from latex2mathml.converter import convert
 from sphinx.util import logging
 
+# Browsers know no `mathvariant` but "normal": bold letters are characters of their own.
+_BOLD = re.compile(r'<mi mathvariant="bold">([A-Za-z])</mi>')
+_FIRST_BOLD = {"A": 0x1D400, "a": 0x1D41A}
+
 LOG = logging.getLogger(__name__)
 
 
 def _mathml(translator: Any, node: nodes.Element, display: str) -> str:
     text = node.astext()
     try:
-        return convert(text, display=display)
+        return _BOLD.sub(_bold, convert(text, display=display))
     except Exception as error:  # whatever the converter finds wrong with it
         LOG.warning("formula %r: %r", text, error, location=node)
         return f"<code>{escape(text)}</code>"
+
+
+def _bold(found: re.Match[str]) -> str:
+    letter = found[1]
+    first = "A" if letter.isupper() else "a"
+    return f"<mi>&#x{_FIRST_BOLD[first] + ord(letter) - ord(first):X};</mi>"
 
 
 def inline(translator: Any, node: nodes.Element) -> None:

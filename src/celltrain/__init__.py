@@ -20,8 +20,8 @@ import celltrain.environment  # noqa: F401  (first: what libraries read when loa
 
 if TYPE_CHECKING:
     from celltrain.contract import draw_all, load, show
-    from celltrain.evolution.evolve import evolve, resume
     from celltrain.evolution.record.run import Run
+    from celltrain.evolution.simulate import evolve, resume
     from celltrain.parameters import CaseError, Train, load_case, paper_units
     from celltrain.results import save, summary
     from celltrain.stability import Mode, Stability, stability

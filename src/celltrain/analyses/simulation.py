@@ -25,15 +25,13 @@ from celltrain.evolution import (
     Run,
     RungeKuttaChebyshev,
     StepFailed,
-    evolve,
-    resume,
 )
 from celltrain.evolution.checks import check_not_negative, check_positive
-from celltrain.evolution.evolve import SAVE_SECONDS
 from celltrain.evolution.films.repulsion import RANGE, STRENGTH
-from celltrain.evolution.record.archive import Archive
+from celltrain.evolution.record.archive import SAVE_SECONDS, Archive
 from celltrain.evolution.record.repulsion import repulsion_record
 from celltrain.evolution.start import DEGREE
+from celltrain.extras import check_installed
 from celltrain.parameters import CaseError, Train
 from celltrain.results import Plain, plain
 from celltrain.results.version import version
@@ -118,6 +116,7 @@ class Simulation(WrittenMeanwhile[Run]):
         Raises:
             CaseError: for what is not allowed.
         """
+        check_installed("simulations")
         if self.until is None:
             raise CaseError("until is missing (last time, r0/U); allowed: a number > 0")
         if _is_linear(self._disturbance()):
@@ -135,6 +134,8 @@ class Simulation(WrittenMeanwhile[Run]):
             ComputationFailed: if the disturbed train has no velocity.
             NotConverged: if there is no steady train.
         """
+        from celltrain.evolution import evolve  # JAX
+
         assert self.until is not None
         disturbance = self._disturbance()
         train = _at_own_degree(train)
@@ -163,6 +164,8 @@ class Simulation(WrittenMeanwhile[Run]):
         Raises:
             CaseError: for what is not allowed.
         """
+        from celltrain.evolution import resume  # JAX
+
         return resume(
             path, until=self.until, save_seconds=self.save_seconds, progress=progress.step
         )

@@ -168,7 +168,7 @@ def read_train(
             **{name: value for name, value in leaves.items() if name not in words}
         )
         if "profile" in leaves and not leaves.get("unusual"):
-            check_volume(train)
+            check_volume(train.cell)
         return train
     return merge_case(case or {}, leaves)
 

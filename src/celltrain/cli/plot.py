@@ -2,7 +2,7 @@
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import Annotated
 
 from cyclopts import Parameter
 from rich.console import Console
@@ -13,11 +13,9 @@ from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder, check_output
 from celltrain.cli.progress import Reporter
 from celltrain.contract.files import pictures
+from celltrain.evolution import Run
 from celltrain.parameters import CaseError
 from celltrain.pictures.animation import film_writer
-
-if TYPE_CHECKING:
-    from celltrain.evolution import Run
 
 ResultFile = Annotated[
     Path,
@@ -59,8 +57,7 @@ def plot(
 ) -> int:
     """Draw what a file holds: any result, a simulation, its film."""
     content = read_result(result, "file")
-    # By its kind, since its class comes with JAX.
-    simulation = cast("Run", content) if content.kind == "simulation" else None
+    simulation = content if isinstance(content, Run) else None
     for name, value in (("animation", animation), ("paraview", paraview)):
         if value is not None and simulation is None:
             raise CaseError(
@@ -95,7 +92,7 @@ def plot(
 
 
 def _film(
-    run: "Run", animation: Path | None, paraview: Path | None, reporter: Reporter, keeper: Keeper
+    run: Run, animation: Path | None, paraview: Path | None, reporter: Reporter, keeper: Keeper
 ) -> None:
     """What is made of a simulation only when it is asked for."""
     if animation is not None:

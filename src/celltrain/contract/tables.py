@@ -25,7 +25,7 @@ def case_line(base: Base, cells: str | None = None) -> Text:
         f"  D = {train.tube.diameter:g} r0, packing {train.packing:g}, {number},"
         f" M = {train.degree}, viscosity ratio {train.flow.viscosity_ratio:g}"
     )
-    volume = relative_volume(train)
+    volume = relative_volume(train.cell)
     if volume is not None:
         text.append(f", cells of {volume:.3g} times a healthy cell's volume")
     return text

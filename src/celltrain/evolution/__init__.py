@@ -1,11 +1,12 @@
-"""Direct numerical simulation: how a disturbed train evolves, or any cells in any surroundings."""
+"""Direct numerical simulation: how a disturbed train evolves, or any cells in any surroundings.
 
-from celltrain.extras import check_installed
+What was recorded of a simulation, methods' settings and disturbances need no JAX; what steps cells
+is imported when it is asked for.
+"""
 
-check_installed("simulations")
+from importlib import import_module
+from typing import TYPE_CHECKING
 
-# ruff: noqa: E402
-from celltrain.evolution.cells import CellsInFlow, Snapshot, follow
 from celltrain.evolution.disturbances import (
     Disturbance,
     FastestAtFirst,
@@ -15,12 +16,16 @@ from celltrain.evolution.disturbances import (
     RandomDisplacement,
 )
 from celltrain.evolution.ending import Ending, StepFailed
-from celltrain.evolution.evolve import evolve, resume
-from celltrain.evolution.films import Repulsion
+from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
-from celltrain.evolution.march import Status
 from celltrain.evolution.methods import ForwardEuler, Integrator, RungeKuttaChebyshev
 from celltrain.evolution.record.run import Run
+from celltrain.extras import check_installed
+
+if TYPE_CHECKING:
+    from celltrain.evolution.cells import CellsInFlow, Snapshot, follow
+    from celltrain.evolution.march import Status
+    from celltrain.evolution.simulate import evolve, resume
 
 __all__ = [
     "CellsInFlow",
@@ -45,3 +50,17 @@ __all__ = [
     "linear_prediction",
     "resume",
 ]
+
+_LATER = {
+    "cells": ("CellsInFlow", "Snapshot", "follow"),
+    "march": ("Status",),
+    "simulate": ("evolve", "resume"),
+}
+_OWNERS = {name: owner for owner, names in _LATER.items() for name in names}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _OWNERS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    check_installed("simulations")
+    return getattr(import_module(f"{__name__}.{_OWNERS[name]}"), name)

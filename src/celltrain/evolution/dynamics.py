@@ -21,12 +21,13 @@ from celltrain.harmonics import (
     surface_points,
 )
 from celltrain.laws import MomentBending
+from celltrain.membrane import place_cells
 from celltrain.membrane.geometry import surface_geometry
 from celltrain.proximity.overlaps import Overlap, overlaps
 from celltrain.stability import paper_weights
 from celltrain.steady import Base
 from celltrain.surroundings import Surroundings, train_tube
-from celltrain.train import CellsOperator, place_cells, train_operator
+from celltrain.train import CellsOperator, train_operator
 
 # Corrections of the volume after a step; Newton's method needs no more.
 VOLUME_ITERATIONS = 2

@@ -78,7 +78,7 @@ def view_of(address: str, opened: Train | None = None) -> View:
     scales = {name: values.pop(name) for name in Scales.model_fields if name in values}
     if values.get("reference") == "profile" and opened is not None:
         values["profile"] = opened.cell.profile
-    train = Train(**values, scales=scales)
+    train = Train(**values, scales=scales, unusual=True)
     return replace(base, train=train, infinite=infinite)
 
 

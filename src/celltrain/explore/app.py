@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from dash import ClientsideFunction, Dash, Input, Output, Patch, State, no_update
+from dash import ClientsideFunction, Dash, Input, Output, Patch, State
 from dash.exceptions import PreventUpdate
 from flask import Response, request
 
@@ -25,11 +25,12 @@ from celltrain.explore.figures import (
     spectrum_figures,
     wave_figures,
 )
+from celltrain.explore.film import film_drawing
 from celltrain.explore.layout import page
-from celltrain.explore.maps import ring_at, study_figure
 from celltrain.explore.opened import Opened
 from celltrain.explore.reading import Reading
 from celltrain.explore.report import report
+from celltrain.explore.simulation import simulation_figure
 from celltrain.parameters import CaseError
 from celltrain.results import save
 from celltrain.stability import InfiniteTrain
@@ -60,13 +61,10 @@ def make_app(opened: Opened, engine: Engine) -> Dash:
 
 
 def _add_pictures(app: Dash, opened: Opened, engine: Engine) -> None:
-    """Answers that draw the train and its spectrum."""
-    spectra = [Output(name, "figure") for name in _SPECTRA]
-    again = [Output(name, "figure", allow_duplicate=True) for name in _SPECTRA]
+    """Answers that draw the train and its spectrum: the train first, by the scripts."""
 
     @app.callback(
         Output("shown", "data"),
-        *spectra,
         Input("change", "data"),
         State("shown", "data"),
         State("asked-mode", "data"),
@@ -75,29 +73,28 @@ def _add_pictures(app: Dash, opened: Opened, engine: Engine) -> None:
     )
     def respond(
         change: Mapping[str, Any], before: Mapping[str, Any] | None, mode: str | None, page: str
-    ) -> tuple[Any, Any, Any]:
+    ) -> dict[str, Any]:
         number = engine.ask(page)
         view = opened.view if before is None else view_of(before["address"], opened.view.train)
         asked = {"number": number, "place": change.get("place")}
         try:
             view = view_after(view, change, opened)
         except CaseError as error:
-            return _refused(view, asked, str(error), change), no_update, no_update
+            return _refused(view, asked, str(error), change)
         try:
             picture = engine.coarse(view)
         except (CaseError, NotConverged) as error:
-            return _refused(view, asked, _words(error), {}), no_update, no_update
+            return _refused(view, asked, _words(error), {})
         return _answer(picture, asked, mode)
 
     @app.callback(
         Output("shown", "data", allow_duplicate=True),
-        *again,
         Input("shown", "data"),
         State("asked-mode", "data"),
         State("page", "data"),
         prevent_initial_call=True,
     )
-    def rest(shown: Mapping[str, Any], mode: str | None, page: str) -> tuple[Any, Any, Any]:
+    def rest(shown: Mapping[str, Any], mode: str | None, page: str) -> dict[str, Any]:
         if shown.get("message") or shown["converged"]:
             raise PreventUpdate
         number = shown["number"]
@@ -109,7 +106,7 @@ def _add_pictures(app: Dash, opened: Opened, engine: Engine) -> None:
             raise PreventUpdate from None
         except (CaseError, NotConverged) as error:
             message = f"Only coarse: {_words(error)}"
-            return {**shown, "message": message, "stage": "coarse"}, no_update, no_update
+            return {**shown, "message": message, "stage": "coarse"}
         return _answer(picture, {"number": number}, mode)
 
     @app.callback(
@@ -174,23 +171,23 @@ def _add_curves(app: Dash, opened: Opened, engine: Engine) -> None:
 
         @app.callback(Output("map", "figure"), Input("map-number", "value"))
         def show_map(name: str) -> Any:
-            return study_figure(study, name)
+            return study.figure(name)
 
         @app.callback(
             Output("map", "figure", allow_duplicate=True),
             Input("change", "data"),
+            State("map-number", "value"),
             prevent_initial_call=True,
         )
-        def mark(change: Mapping[str, Any]) -> Any:
-            if "place" not in change:
+        def mark(change: Mapping[str, Any], name: str) -> Any:
+            ring = study.ring(change["place"], name) if "place" in change else None
+            if ring is None:
                 raise PreventUpdate
             patch = Patch()
-            patch["data"][-1].update(ring_at(study, change["place"]))
+            patch["data"][-1].update(ring)
             return patch
 
     if opened.run is not None:
-        from celltrain.explore.simulation import simulation_figure  # and with it JAX
-
         run = opened.run
 
         @app.callback(Output("simulation", "figure"), Input("shown", "data"))
@@ -222,8 +219,6 @@ def _add_files(app: Dash, opened: Opened, engine: Engine) -> None:
         return Response(str(error), 400, mimetype="text/plain")
 
     if opened.run is not None:
-        from celltrain.explore.film import film_drawing
-
         run = opened.run
 
         @app.server.route("/film.json")
@@ -236,16 +231,14 @@ def _file(content: bytes, name: str, kind: str) -> Response:
     return Response(content, headers=headers, mimetype=kind)
 
 
-def _answer(
-    picture: Picture, asked: Mapping[str, Any], mode: str | None
-) -> tuple[dict[str, Any], Any, Any]:
+def _answer(picture: Picture, asked: Mapping[str, Any], mode: str | None) -> dict[str, Any]:
     """What the page shows of a picture."""
     view, result = picture.view, picture.result
     reading = _reading(view)
     draw = wave_figures if isinstance(result, InfiniteTrain) else spectrum_figures
     drawn = mode_drawing(result, mode, reading)
-    whole, close = draw(result, reading, drawn)  # type: ignore[arg-type]
-    shown = {
+    spectra = draw(result, reading, drawn)  # type: ignore[arg-type]
+    return {
         **asked,
         "address": view.address,
         "controls": control_panel(view),
@@ -254,8 +247,8 @@ def _answer(
         "mode": drawn,
         "converged": picture.converged,
         "message": "",
+        "figures": dict(zip(_SPECTRA, spectra, strict=True)),
     }
-    return shown, whole, close
 
 
 def _refused(

@@ -6,7 +6,6 @@ from typing import Any
 
 from celltrain.explore.address import View, view_of
 from celltrain.explore.controls import MOST_CELLS, changed, controls, parsed
-from celltrain.explore.maps import train_at
 from celltrain.explore.opened import Opened
 from celltrain.parameters import CaseError
 from celltrain.parameters.train import Units
@@ -26,8 +25,8 @@ def view_after(view: View, change: Mapping[str, Any], opened: Opened) -> View:
         if change["address"].strip("?") == "":
             view = opened.view
     if "place" in change and opened.study is not None:
-        train = train_at(opened.study, change["place"])
-        view = replace(view, train=train.changed(scales=view.train.scales))
+        train = opened.study.train(change["place"])
+        view = replace(view, train=train.changed(scales=view.train.scales, unusual=True))
     if "units" in change:
         units: Units = "SI" if change["units"] == "SI" else "dimensionless"
         view = replace(view, units=units)

@@ -7,16 +7,14 @@ The step is the smallest for which the film is small enough; the error that it l
 
 import base64
 import gzip
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from celltrain.evolution import Run
 from celltrain.harmonics import mean_points, real_harmonics
 from celltrain.parameters import Train
-
-if TYPE_CHECKING:
-    from celltrain.evolution import Run  # and with it JAX
 
 #: Largest size of a film, bytes of its text, and most frames.
 MOST_BYTES, MOST_FRAMES = 7_000_000, 500
@@ -24,7 +22,7 @@ MOST_BYTES, MOST_FRAMES = 7_000_000, 500
 FINEST = 1e-5
 
 
-def film_drawing(run: "Run") -> dict[str, Any]:
+def film_drawing(run: Run) -> dict[str, Any]:
     """The film of a simulation as numbers for the browser, times in r0/U and lengths in r0."""
     places = np.linspace(0, len(run.times) - 1, min(len(run.times), MOST_FRAMES))
     chosen = np.unique(places.round().astype(int))
@@ -43,8 +41,8 @@ def film_of(
     step, text = packed(shapes, most_bytes)
     error = rounding_error(shapes, step)
     words = (
-        f"Simulation of {shapes.shape[1]} cells, {len(times)} frames until t ="
-        f" {times[-1]:.4g} r₀/U: {ending.replace('r0', 'r₀')}."
+        f"Simulation of {shapes.shape[1]} cells, drawn at its degree {train.degree}, {len(times)}"
+        f" frames until t = {times[-1]:.4g} r₀/U: {ending.replace('r0', 'r₀')}."
         + (f" Drawn to {error:.0e} r₀." if error > 1e-3 else "")
     )
     return {

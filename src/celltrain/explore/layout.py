@@ -5,7 +5,6 @@ from typing import Any
 from dash import dcc, html
 
 from celltrain.explore.figures import figure
-from celltrain.explore.maps import shown_numbers
 from celltrain.explore.opened import Opened
 from celltrain.pictures.style import COLORS
 from celltrain.results.version import version
@@ -68,7 +67,8 @@ def _main(opened: Opened) -> list[Any]:
         html.Div(id="message", className="message", role="alert", hidden=True),
     ]
     if opened.study is not None:
-        names = shown_numbers(opened.study)
+        names = opened.study.names
+        notes = "; ".join(dict.fromkeys(opened.study.notes.values()))
         parts.append(
             html.Section(
                 [
@@ -76,7 +76,8 @@ def _main(opened: Opened) -> list[Any]:
                         [
                             html.H2("Study"),
                             html.Span(
-                                "white line: 0; click a point to open its train", className="note"
+                                f"{notes}; click a point to open its train",
+                                className="note",
                             ),
                             dcc.RadioItems(
                                 [{"label": words, "value": name} for name, words in names.items()],

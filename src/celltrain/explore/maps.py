@@ -76,7 +76,7 @@ def study_figure(study: StudyResult, name: str) -> Figure:
                 "hoverinfo": "skip",
             },
             *_cases(values, x, y, places, label),
-            _chosen(),
+            chosen_ring(),
         ],
         xaxis=axis(_words(values[right])),
         yaxis=axis(_words(values[up])),
@@ -183,12 +183,12 @@ def _curve(values: xr.DataArray, label: str) -> Figure:
         "marker": {"color": BLUE, "size": 8},
         "hovertemplate": f"%{{x:.4g}}: {label} %{{y:.4g}}<br>click: open this train<extra></extra>",
     }
-    return figure([trace, _chosen()], xaxis=axis(_words(values[name])), yaxis=axis(label))
+    return figure([trace, chosen_ring()], xaxis=axis(_words(values[name])), yaxis=axis(label))
 
 
-def _chosen() -> dict[str, Any]:
+def chosen_ring(color: str = "#ffffff") -> dict[str, Any]:
     """A ring around the case that is shown; last of all traces."""
-    look = {"symbol": "circle-open", "size": 17, "color": "#ffffff", "line": {"width": 3}}
+    look = {"symbol": "circle-open", "size": 17, "color": color, "line": {"width": 3}}
     empty: dict[str, Any] = {"type": "scatter", "mode": "markers", "x": [], "y": []}
     return {**empty, "marker": look, "hoverinfo": "skip"}
 

@@ -2,18 +2,15 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
 
 from celltrain.contract import load, presentation
+from celltrain.evolution import Run
 from celltrain.explore.address import USUAL, View
-from celltrain.explore.maps import first_place, shown_numbers, train_at
+from celltrain.explore.overview import Overview, overview_of
 from celltrain.parameters import CaseError, merge_case, read_case
 from celltrain.quantities import Record
 from celltrain.steady import Base
-from celltrain.study import StudyResult
-
-if TYPE_CHECKING:
-    from celltrain.evolution import Run  # and with it JAX
+from celltrain.study import SampleResult, StudyResult
 
 #: The file in a study's folder that holds its numbers.
 STUDY_FILE = "study.nc"
@@ -26,8 +23,8 @@ class Opened:
     view: View
     name: str = ""
     start: Base | None = None
-    run: "Run | None" = None
-    study: StudyResult | None = None
+    run: Run | None = None
+    study: Overview | None = None
 
 
 def opened(path: Path | None) -> Opened:
@@ -77,12 +74,12 @@ def _of_folder(path: Path) -> Opened:
 
 
 def _of_result(result: Record, path: Path) -> Opened:
-    if isinstance(result, StudyResult):
-        if not shown_numbers(result):
-            raise CaseError(
-                f"{str(path)!r} cannot be explored: none of its cases has a steady train"
-            )
-        return Opened(View(train_at(result, first_place(result))), path.name, study=result)
+    if isinstance(result, StudyResult | SampleResult):
+        try:
+            study = overview_of(result)
+        except CaseError as error:
+            raise CaseError(f"{str(path)!r}: {error}") from None
+        return Opened(View(study.first), path.name, study=study)
     base = presentation(result.kind).steady_train(result)
-    run = cast("Run", result) if result.kind == "simulation" else None
+    run = result if isinstance(result, Run) else None
     return Opened(View(base.train), path.name, base, run)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from celltrain.contract import presentation
+from celltrain.evolution import Run
 from celltrain.explore.drawing import (
     LEADING,
     Drawn,
@@ -31,16 +32,18 @@ from celltrain.explore.figures import (
     transient_curves,
     wave_figures,
 )
-from celltrain.explore.maps import shown_numbers, study_figure
+from celltrain.explore.film import film_drawing
+from celltrain.explore.overview import overview_of
 from celltrain.explore.reading import Reading
 from celltrain.explore.report import headline, motion, rows, title
-from celltrain.parameters import CaseError
+from celltrain.explore.samples import sample_headline, sample_rows
+from celltrain.explore.simulation import simulation_figure
 from celltrain.pictures.style import COLORS
 from celltrain.quantities import Record
 from celltrain.results.version import version
 from celltrain.stability import InfiniteTrain, Stability, TransientGrowth
 from celltrain.steady import Base
-from celltrain.study import StudyResult
+from celltrain.study import SampleResult, StudyResult
 
 ASSETS = Path(__file__).parent / "assets"
 SCRIPTS = ("harmonics.js", "film.js", "stage.js", "player.js", "numbers.js", "page.js")
@@ -93,15 +96,9 @@ def _legend() -> str:
 
 def _content(result: Record) -> dict[str, Any]:
     """What a page holds of a result, whatever its kind."""
-    if isinstance(result, StudyResult):
-        drawn = {
-            name: _titled(words, study_figure(result, name), "white line: 0")
-            for name, words in shown_numbers(result).items()
-        }
-        if not drawn:
-            raise CaseError("this study has no page: none of its cases has a steady train")
-        return {"title": result.data.attrs.get("title", "Study"), "figures": drawn}
-    if result.kind == "simulation":
+    if isinstance(result, StudyResult | SampleResult):
+        return _of_study(result)
+    if isinstance(result, Run):
         return _of_simulation(result)
     if isinstance(result, TransientGrowth):
         content = train_content(result.result)
@@ -152,10 +149,21 @@ def train_content(result: Stability | InfiniteTrain | Base) -> dict[str, Any]:
     return content
 
 
-def _of_simulation(run: Any) -> dict[str, Any]:
-    from celltrain.explore.film import film_drawing  # and with it JAX
-    from celltrain.explore.simulation import simulation_figure
+def _of_study(result: StudyResult | SampleResult) -> dict[str, Any]:
+    study = overview_of(result)
+    content: dict[str, Any] = {
+        "title": result.data.attrs.get("title", "Study"),
+        "figures": {
+            name: _titled(words, study.figure(name), study.notes[name])
+            for name, words in study.names.items()
+        },
+    }
+    if isinstance(result, SampleResult):
+        content |= {"headline": sample_headline(result), "rows": sample_rows(result)}
+    return content
 
+
+def _of_simulation(run: Run) -> dict[str, Any]:
     content = train_content(run.start)
     reading = Reading("dimensionless", run.train.scales)
     growth = _titled(

@@ -10,7 +10,7 @@ from celltrain.membrane.forms import PointwiseEnergy
 from celltrain.membrane.material import cell_material, with_moduli
 from celltrain.membrane.reference import reference_coefficients
 from celltrain.membrane.resting import resting_shape
-from celltrain.membrane.train_cells import meridian_membrane
+from celltrain.membrane.train_cells import meridian_membrane, place_cells
 
 __all__ = [
     "AxisymmetricMembrane",
@@ -19,6 +19,7 @@ __all__ = [
     "cell_material",
     "healthy_reduced_volume",
     "meridian_membrane",
+    "place_cells",
     "reference_coefficients",
     "relaxed_slope",
     "resting_shape",

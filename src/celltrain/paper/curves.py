@@ -10,9 +10,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from celltrain.paper.finding import DENSE, SPARSE, at, in_paper_units
-from celltrain.paper.resolutions import LABELS as RESOLUTION
-from celltrain.paper.resolutions import PAPER, Resolutions, Style, present
-from celltrain.pictures.study import LABELS
+from celltrain.paper.resolutions import (
+    CONVERGED,
+    LABELS,
+    PAPER,
+    Resolutions,
+    Style,
+    label_of,
+    present,
+)
+from celltrain.pictures.study import LABELS as AXES
 
 #: Width and height of one pair of axes, inches.
 SIZE = (4.2, 3.5)
@@ -46,21 +53,20 @@ def draw_curves(
     **Arguments:** `curve` and `errors` take what is drawn from the data of one resolution.
     """
     for name, each in present(data):
-        values = curve(each)
+        values, resolution = curve(each), label_of(name, each)
         bars = None if errors is None else errors(each)
         others = [str(other) for other in values.dims if other != along]
         places = list(itertools.product(*(values[other].values for other in others)))
         for number, (marker, place) in enumerate(zip(itertools.cycle(MARKERS), places)):
             chosen = dict(zip(others, place, strict=True))
             at = values.sel(chosen)
-            words = ", ".join(
-                f"{LABELS.get(key, key)} = {value:g}" for key, value in chosen.items()
-            )
+            words = ", ".join(f"{AXES.get(key, key)} = {value:g}" for key, value in chosen.items())
             color = f"C{number}"
             style: Style = {"color": color, "capsize": 2, "linewidth": 1.2, "label": words or None}
             if name == PAPER:
                 style |= {"fmt": marker, "mfc": "none", "ms": 5, "elinewidth": 0.6}
-                style["label"] = f"{words}, {RESOLUTION[name]}".lstrip(", ")
+            if resolution != LABELS[CONVERGED]:
+                style["label"] = f"{words}, {resolution}".lstrip(", ")
             known = None if bars is None else np.nan_to_num(bars.sel(chosen).values)
             axes.errorbar(at[along].values, at.values, known, **style)
         if others and legend:

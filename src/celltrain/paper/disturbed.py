@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from celltrain.evolution import Leading, RandomDisplacement, linear_prediction
 from celltrain.paper.curves import side_by_side
 from celltrain.paper.finding import Finding, finding
 from celltrain.paper.resolutions import LABELS, PAPER, Resolutions, Style, present
@@ -21,8 +22,6 @@ TIMES = np.arange(0.0, 4000.0, 10.0)
 
 def compute(degree: int | None) -> xr.Dataset:
     """eps_x of the leading mode and of 20 ad hoc disturbances, eps = 0.1 at first, D = 10."""
-    from celltrain.evolution import Leading, RandomDisplacement, linear_prediction  # JAX
-
     modes = np.full((len(PACKINGS), len(TIMES)), np.nan)
     random = np.full((len(PACKINGS), len(SEEDS), len(TIMES)), np.nan)
     for row, packing in enumerate(PACKINGS):

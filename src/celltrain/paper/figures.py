@@ -28,8 +28,7 @@ from celltrain.paper.cell_volume import (
 )
 from celltrain.paper.finding import Finding, in_paper_units
 from celltrain.paper.flow_strength import draw_over_flow, flow_findings
-from celltrain.paper.resolutions import LABELS as RESOLUTION_LABELS
-from celltrain.paper.resolutions import Resolutions, present
+from celltrain.paper.resolutions import Resolutions, label_of, present
 from celltrain.paper.statements import CONTOURS, growth_findings, transient_findings
 from celltrain.paper.viscosity_ratio import (
     draw_over_packing,
@@ -89,7 +88,7 @@ def draw_growth_map(data: Resolutions, path: Path) -> Path:
         return alpha.copy(data=logarithms.values)
 
     return _draw(
-        {name: powers(each) for name, each in present(data)},
+        {label_of(name, each): powers(each) for name, each in present(data)},
         np.arange(-3.0, -0.49, 0.25),
         (-3.0, -2.5, -2.0, -1.5, -1.0),
         r"$\log_{10}(\alpha\, r_0/U^*)$",
@@ -103,7 +102,10 @@ def draw_transient_map(data: Resolutions, path: Path) -> Path:
     Raises:
         OSError: if the picture cannot be written.
     """
-    eta = {name: in_paper_units(each["numerical_abscissa"]) for name, each in present(data)}
+    eta = {
+        label_of(name, each): in_paper_units(each["numerical_abscissa"])
+        for name, each in present(data)
+    }
     return _draw(eta, np.arange(10.0, 101.0, 6.0), CONTOURS, r"$\eta\, r_0/U^*$", path)
 
 
@@ -117,7 +119,7 @@ def _draw(
     label: str,
     path: Path,
 ) -> Path:
-    """The first map with its contours, and dashed those of the others."""
+    """The first map with its contours, and dashed those of the others, by what they are called."""
     figure = Figure(figsize=(5.6, 4.4), dpi=200, layout="constrained")
     axes = figure.subplots()
     for number, (name, values) in enumerate(maps.items()):
@@ -136,7 +138,7 @@ def _draw(
             axes.clabel(lines, fontsize=8)
             mark_cases(axes, values)
         color, style = ("k", "-") if number == 0 else (VERMILION, "--")
-        axes.plot([], [], style, color=color, linewidth=0.9, label=RESOLUTION_LABELS[name])
+        axes.plot([], [], style, color=color, linewidth=0.9, label=name)
     figure.colorbar(filled, ax=axes, label=label)
     axes.set(xlabel=r"$\phi$", ylabel=r"$D/r_0$")
     figure.legend(loc="outside upper left", ncols=2, fontsize=8, frameon=False)

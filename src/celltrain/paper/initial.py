@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
+from celltrain.evolution import linear_prediction
 from celltrain.harmonics import azimuthal_basis
 from celltrain.paper.curves import side_by_side
 from celltrain.paper.finding import Finding, finding
@@ -69,8 +70,6 @@ def kept_volume(
 
 
 def _compute(figure: str, degree: int | None) -> xr.Dataset:
-    from celltrain.evolution import linear_prediction  # JAX
-
     cases = CASES[figure]
     sizes = np.full((len(cases), 2, len(TIMES)), np.nan)
     numbers = np.full((5, len(cases)), np.nan)

@@ -12,7 +12,7 @@ from celltrain.parameters.scales import Scales
 from celltrain.parameters.sections import Cell, Flow, Tube
 from celltrain.parameters.train import Train
 from celltrain.parameters.units import PaperUnits, paper_units
-from celltrain.parameters.usual import check_volume, relative_volume
+from celltrain.parameters.usual import UnusualCase, check_volume, relative_volume
 
 __all__ = [
     "CaseError",
@@ -24,6 +24,7 @@ __all__ = [
     "Sizes",
     "Train",
     "Tube",
+    "UnusualCase",
     "check_volume",
     "load_case",
     "merge_case",

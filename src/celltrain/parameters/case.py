@@ -8,7 +8,7 @@ from celltrain.parameters.errors import CaseError
 from celltrain.parameters.routing import LEAVES, SCALE_LEAVES, SI_LEAVES, flatten
 from celltrain.parameters.strength import put_over
 from celltrain.parameters.train import Train
-from celltrain.parameters.usual import check_scales, check_volume
+from celltrain.parameters.usual import check_scales, check_volume, is_meant
 
 UNITS = ("dimensionless", "SI")
 
@@ -52,10 +52,8 @@ def merge_case(case: Mapping[str, object], leaves: Mapping[str, object]) -> Trai
     changes = dict(leaves)
     units = changes.pop("units", both.pop("units", UNITS[0]))
     both.pop("units", None)
-    unusual = changes.pop("unusual", both.pop("unusual", False))
+    unusual = is_meant(changes if "unusual" in changes else both)
     both.pop("unusual", None)
-    if not isinstance(unusual, bool):
-        raise CaseError(f"unusual = {unusual!r} is not allowed; allowed: true or false")
     if units not in UNITS:
         raise CaseError(f"units = {units!r} is not allowed; allowed: {' or '.join(UNITS)}")
     if units == "SI":
@@ -69,13 +67,13 @@ def merge_case(case: Mapping[str, object], leaves: Mapping[str, object]) -> Trai
             given = first | second
             check_scales({name: given[name] for name in SCALE_LEAVES if name in given})
         merged = put_over({}, first, si=True)
-        train = Train.from_si(**put_over(merged, second, si=True))
+        train = Train.from_si(**put_over(merged, second, si=True), unusual=True)
     else:
         scales = {"scales": both.pop("scales")} if "scales" in both else {}
         merged = put_over(scales, flatten(both, LEAVES))
-        train = Train(**put_over(merged, flatten(changes, LEAVES)))
+        train = Train(**put_over(merged, flatten(changes, LEAVES)), unusual=True)
     if not unusual:
-        check_volume(train)
+        check_volume(train.cell)
     return train
 
 

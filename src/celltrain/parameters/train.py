@@ -13,6 +13,10 @@ from celltrain.parameters.routing import DIMENSIONS, KEPT, SECTIONS, SI_LEAVES, 
 from celltrain.parameters.scales import REFERENCE, Scales
 from celltrain.parameters.sections import Cell, Flow, Spacing, Strength, Tube
 from celltrain.parameters.strength import put_over
+from celltrain.parameters.usual import is_meant, warn_of_unusual
+
+# What may be unusual, by the names under which it is given.
+_CHECKED = frozenset(("profile", "cell", "scales"))
 
 Units = Literal["dimensionless", "SI"]
 
@@ -30,6 +34,9 @@ class Train(Spacing):
     given a train has none until it is computed, and the train of the result has its own. A
     ``capillary_number``, which is no leaf of its own, changes the moduli (see `Strength`).
 
+    Scales and profiles that are no red blood cell's in a capillary are told in a warning
+    (`UnusualCase`), unless ``unusual=True`` says that they are meant.
+
     Raises:
         CaseError: for an unknown name, a leaf given twice, and a value that is not allowed; its
             message names the value and the allowed range.
@@ -44,6 +51,14 @@ class Train(Spacing):
     if TYPE_CHECKING:  # the leaves arrive by name: more arguments than fields
 
         def __init__(self, **leaves: object) -> None: ...
+
+    else:
+
+        def __init__(self, **leaves: object) -> None:
+            meant = is_meant(leaves)
+            super().__init__(**leaves)
+            if not meant:
+                warn_of_unusual(self.cell, self.scales)
 
     @model_validator(mode="before")
     @classmethod
@@ -132,11 +147,18 @@ class Train(Spacing):
     def changed(self, **leaves: object) -> "Train":
         """This case with some leaves (or whole sections) replaced, checked again.
 
+        Of what is unusual (see `Train`) only what is replaced is told.
+
         Raises:
             CaseError: as when a train is made.
         """
+        told = not is_meant(leaves) and not _CHECKED.isdisjoint(leaves)
         scales = leaves.pop("scales", self.scales)
-        return Train(**put_over({**self.leaves(), "scales": scales}, flatten(leaves)))
+        changed = put_over({**self.leaves(), "scales": scales}, flatten(leaves))
+        train = Train(**changed, unusual=True)
+        if told:
+            warn_of_unusual(train.cell, train.scales)
+        return train
 
     @classmethod
     def from_si(cls, **case: object) -> "Train":
@@ -150,7 +172,11 @@ class Train(Spacing):
         Raises:
             CaseError: as when a train is made.
         """
-        return cls._from_si_leaves(put_over({}, flatten(case, SI_LEAVES), si=True))
+        meant = is_meant(case)
+        train = cls._from_si_leaves(put_over({}, flatten(case, SI_LEAVES), si=True))
+        if not meant:
+            warn_of_unusual(train.cell, train.scales)
+        return train
 
     @classmethod
     def _from_si_leaves(cls, leaves: Mapping[str, object]) -> "Train":
@@ -168,7 +194,7 @@ class Train(Spacing):
             **{name: scales.dimensionless(DIMENSIONS[name], rest[name]) for name in rest},
         }
         try:
-            return cls(**converted, scales=scales)
+            return cls(**converted, scales=scales, unusual=True)
         except CaseError as error:
             pairs = (
                 f"{name} = {value!r} in SI is {converted[name]:g} in r0, U, mu"

@@ -43,7 +43,7 @@ def draw_distributions(data: xr.Dataset, path: Path) -> Path:
         output = data.sel(output=name)
         values = data[name].values
         finite = values[np.isfinite(values)]
-        axes.hist(finite, bins=_bins(finite), color=SKY, edgecolor="white", linewidth=0.3)
+        axes.hist(finite, bins=bin_count(finite), color=SKY, edgecolor="white", linewidth=0.3)
         quantiles = output["quantile"]
         low, high = (float(quantiles.sel(probability=part)) for part in (0.05, 0.95))
         axes.axvspan(low, high, color="0.9", zorder=0, label="5 to 95 %")
@@ -139,6 +139,6 @@ def _bars(
     axes.errorbar(places, values, np.nan_to_num(sizes), fmt="none", ecolor="0.2", capsize=2.5)
 
 
-def _bins(values: np.ndarray) -> int:
+def bin_count(values: np.ndarray) -> int:
     """As many bins as a histogram of this many values shows without noise (Rice's rule)."""
     return int(np.clip(np.ceil(2.0 * len(values) ** (1.0 / 3.0)), 5, 40))

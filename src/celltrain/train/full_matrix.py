@@ -14,9 +14,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.membrane import place_cells
 from celltrain.proximity.meridian import clearance
 from celltrain.steady import Base
-from celltrain.train.operator import CellsOperator, close_distance, place_cells, train_operator
+from celltrain.train.operator import CellsOperator, close_distance, train_operator
 
 #: Directions at once, which bounds the memory of exact derivatives.
 BATCH = 12

@@ -25,10 +25,10 @@ from celltrain.flow import (
 from celltrain.flow.close import close_rule
 from celltrain.flow.close_targets import CloseEvaluation
 from celltrain.flow.sources import Surface
-from celltrain.harmonics import Shape, Shapes, displaced_along, surface_points
+from celltrain.harmonics import Shapes, displaced_along, surface_points
 from celltrain.harmonics.grid import SphereGrid, sphere_grid
 from celltrain.harmonics.jax_shapes import JaxShapes
-from celltrain.membrane import cell_material, resting_shape
+from celltrain.membrane import cell_material, place_cells, resting_shape
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Cell, Resolution, Train
 from celltrain.runtime import check_jax
@@ -240,12 +240,6 @@ def train_membrane(train: Train) -> Membrane:
 def resting_shapes(train: Train, cells: int) -> Shapes:
     """Resting cells on the axis, one period apart, the first at z = 0."""
     return place_cells(resting_shape(train.cell, train.degree), train, cells)
-
-
-def place_cells(shape: Shape, train: Train, cells: int) -> Shapes:
-    """Copies of one cell, one period apart along the tube."""
-    shapes = np.repeat(np.asarray(shape)[None], cells, axis=0)
-    return displaced_along(shapes, train.period * np.arange(cells))
 
 
 def close_distance(resolution: Resolution) -> float:

@@ -6,9 +6,8 @@ from typing import Annotated
 import numpy as np
 
 from celltrain.evolution.checks import check_positive
-from celltrain.evolution.dynamics import Dynamics
 from celltrain.evolution.ending import StepFailed
-from celltrain.evolution.methods.integrator import Integrator, Manner, Step, Work
+from celltrain.evolution.methods.integrator import CellDynamics, Integrator, Manner, Step, Work
 from celltrain.evolution.state import State
 from celltrain.quantities import Quantity
 
@@ -37,7 +36,9 @@ class ForwardEuler(Integrator[EulerMemory]):
         """No steps yet."""
         return EulerMemory(0)
 
-    def advance(self, dynamics: Dynamics, state: State, memory: EulerMemory) -> Step[EulerMemory]:
+    def advance(
+        self, dynamics: CellDynamics, state: State, memory: EulerMemory
+    ) -> Step[EulerMemory]:
         """One step; no error is estimated, so `error` and `radius` are NaN."""
         moved = state.shapes + self.step * state.rates
         # By multiplication: a sum of many steps would drift.

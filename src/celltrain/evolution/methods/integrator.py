@@ -2,10 +2,13 @@
 
 import abc
 from dataclasses import dataclass
-from typing import Annotated, Generic, TypeVar
+from typing import Annotated, Generic, Protocol, TypeVar, runtime_checkable
 
-from celltrain.evolution.dynamics import Dynamics
+import numpy as np
+from jaxtyping import Int
+
 from celltrain.evolution.state import State
+from celltrain.harmonics import Shapes
 from celltrain.quantities import Quantity
 
 MemoryT = TypeVar("MemoryT")
@@ -51,6 +54,26 @@ class Step(Generic[MemoryT]):
     work: Work
 
 
+@runtime_checkable
+class CellDynamics(Protocol):
+    """What a method needs of the dynamics of cells (`evolution.dynamics.Dynamics`, in JAX)."""
+
+    def rates(self, shapes: Shapes) -> Shapes:
+        """ds/dt of shapes within one period, in U."""
+
+    def continuous(self, shapes: Shapes, laps: Int[np.ndarray, " cell"]) -> Shapes:
+        """Shapes where the cells have really gone, not put back by periods."""
+
+    def state(self, time: float, shapes: Shapes) -> State:
+        """The state with the given (continuous) shapes at a time."""
+
+    def displacement(self, change: Shapes) -> float:
+        """Largest displacement of a membrane's point by a change of the shapes, in r0."""
+
+    def departure(self, shapes: Shapes) -> float:
+        """Largest distance of a membrane's point from the steady train, of continuous shapes."""
+
+
 class Integrator(abc.ABC, Generic[MemoryT]):
     """A way to march; an object of its own settings.
 
@@ -63,7 +86,7 @@ class Integrator(abc.ABC, Generic[MemoryT]):
         """What the method remembers where a simulation begins."""
 
     @abc.abstractmethod
-    def advance(self, dynamics: Dynamics, state: State, memory: MemoryT) -> Step[MemoryT]:
+    def advance(self, dynamics: CellDynamics, state: State, memory: MemoryT) -> Step[MemoryT]:
         """One step from a state.
 
         **Raises:** `StepFailed`.

@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.evolution.checks import check_positive
-from celltrain.evolution.dynamics import Dynamics
 from celltrain.evolution.ending import StepFailed
 from celltrain.evolution.methods.chebyshev import (
     chebyshev_step,
@@ -16,7 +15,7 @@ from celltrain.evolution.methods.chebyshev import (
     largest_stable_step,
     stage_count,
 )
-from celltrain.evolution.methods.integrator import Integrator, Manner, Step, Work
+from celltrain.evolution.methods.integrator import CellDynamics, Integrator, Manner, Step, Work
 from celltrain.evolution.methods.radius import spectral_radius
 from celltrain.evolution.state import State
 from celltrain.parameters import CaseError
@@ -99,7 +98,7 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
         )
 
     def advance(
-        self, dynamics: Dynamics, state: State, memory: ChebyshevMemory
+        self, dynamics: CellDynamics, state: State, memory: ChebyshevMemory
     ) -> Step[ChebyshevMemory]:
         """One accepted step, after as many rejected ones as it takes."""
         begin = dynamics.continuous(state.shapes, state.laps)
@@ -146,7 +145,7 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
         return None if size < SMALLEST_RETRY else replace(memory, step=size)
 
     def _with_radius(
-        self, dynamics: Dynamics, state: State, memory: ChebyshevMemory
+        self, dynamics: CellDynamics, state: State, memory: ChebyshevMemory
     ) -> tuple[ChebyshevMemory, int]:
         """The memory with a spectral radius that is recent, and a first step if it has none.
 

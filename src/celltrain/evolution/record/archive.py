@@ -11,6 +11,9 @@ from pathlib import Path
 from celltrain.evolution.record.run import Run
 from celltrain.results import save
 
+#: Wall time between saves, unless told otherwise.
+SAVE_SECONDS = 30.0
+
 
 class Archive:
     """The file of one simulation."""

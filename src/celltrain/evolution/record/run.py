@@ -12,12 +12,12 @@ from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.methods import Memory, Method, Work
 from celltrain.evolution.record.quantities import KEPT_OF_FRAMES, STEP_QUANTITIES
 from celltrain.evolution.state import State
+from celltrain.membrane import place_cells
 from celltrain.parameters import Train
 from celltrain.quantities import Quantity, Record
 from celltrain.results import read
 from celltrain.stability import Stability
 from celltrain.steady import Base
-from celltrain.train import place_cells
 
 
 @dataclass(frozen=True, eq=False)

@@ -56,7 +56,7 @@ celltrain.explorer = {
     chip.dataset.kind = kind;
   },
 
-  /* An answer of the server: numbers, train, mode; figures go to their graphs by themselves. */
+  /* An answer of the server: numbers, train, mode, and figures, which wait for the train. */
   show(shown) {
     if (!shown) return;
     const answered = this.busy && shown.number !== this.number;
@@ -94,6 +94,22 @@ celltrain.explorer = {
     }
     this._address();
     if (answered) this._measure(shown);
+    if (shown.figures) this._draw(shown.figures);
+  },
+
+  /* Figures, once the train is on the screen: they take longer than it does. */
+  _draw(figures) {
+    const waiting = Boolean(this.figures);
+    this.figures = figures;
+    if (waiting) return;
+    const draw = () => {
+      for (const [name, figure] of Object.entries(this.figures)) {
+        dash_clientside.set_props(name, { figure });
+      }
+      this.figures = null;
+    };
+    const drawn = () => requestAnimationFrame(() => setTimeout(draw, 0));
+    this.player.canvas.addEventListener("drawn", drawn, { once: true });
   },
 
   /* Time from what somebody did until the train is drawn, for tests and curious people. */

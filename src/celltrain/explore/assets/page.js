@@ -30,15 +30,18 @@ celltrain.page = {
 
   async _show(content) {
     document.getElementById("title").textContent = content.title;
-    if (content.train) {
-      document.getElementById("train-panel").hidden = false;
+    document.getElementById("train-panel").hidden = !content.headline;
+    document.getElementById("headline").textContent = content.headline || "";
+    if (content.rows) {
       document.getElementById("numbers-panel").hidden = false;
-      document.getElementById("headline").textContent = content.headline;
       celltrain.showNumbers(
         document.getElementById("cards"),
         document.getElementById("numbers"),
         content.rows
       );
+    }
+    document.getElementById("player").hidden = !content.train;
+    if (content.train) {
       this.player = new celltrain.Player(document.getElementById("player"), (state) =>
         this._played(state)
       );

@@ -76,7 +76,9 @@ celltrain.Stage = class {
   /* Coordinates of all cells in a frame of a film, which shows one period or three of few cells. */
   frame(film, number) {
     if (!this.filmGrid || this.filmGrid.degree !== film.degree) {
-      this.filmGrid = new celltrain.Grid(film.degree, 20, 30);
+      // Two rings for each half wave of the finest harmonic, but for a picture's own limits.
+      const rings = Math.min(Math.max(20, 2 * film.degree), 40);
+      this.filmGrid = new celltrain.Grid(film.degree, rings, Math.round(1.5 * rings));
     }
     const repeats = Math.ceil(3 / film.cells);
     const { places, size, points } = this._room(this.filmGrid, film.cells * repeats);

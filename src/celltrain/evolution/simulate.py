@@ -14,19 +14,18 @@ from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import March, SimulationProgress
 from celltrain.evolution.methods import Manner, Method, RungeKuttaChebyshev, Step, Work
-from celltrain.evolution.record.archive import Archive
+from celltrain.evolution.record.archive import SAVE_SECONDS, Archive
 from celltrain.evolution.record.frames import SAME_TIME
 from celltrain.evolution.record.quantities import STEP_QUANTITIES
 from celltrain.evolution.record.run import Run
 from celltrain.evolution.start import at_degree
 from celltrain.evolution.wall_resolution import LARGEST, followed
+from celltrain.membrane import place_cells
 from celltrain.parameters import CaseError, Train
 from celltrain.results import only_writer, remove_leftovers
 from celltrain.stability import Stability
 from celltrain.steady import Base
-from celltrain.train import place_cells
 
-SAVE_SECONDS = 30.0
 EVERY = 1.0
 
 
