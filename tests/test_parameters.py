@@ -50,6 +50,7 @@ def test_defaults_are_the_red_blood_cell_in_the_reference_scales():
     assert train.cell.capillary_number == pytest.approx(0.82, abs=0.005)
     assert train.resolution.model_dump() == {
         "degree": None,
+        "grading": 0.0,
         "energy_order": None,
         "source_order": None,
         "target_order": None,

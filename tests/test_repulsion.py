@@ -56,7 +56,7 @@ def of_spheres(degree: int, *, length: float = FAR, radius: float = FAR) -> Film
     """Films of unit spheres."""
     grid = sphere_grid(1, 6 * degree)
     train = Train(diameter=6, packing=0.2, cells=2, degree=degree)
-    made = film_forces(train.cell, degree, RoundTube(radius, length), Repulsion(RANGE))
+    made = film_forces(train.cell, train.sizes, RoundTube(radius, length), Repulsion(RANGE))
     return dataclasses.replace(made, areas=np.asarray(grid.weights))
 
 

@@ -4,8 +4,8 @@ And whether these trains are stable. The trains are kept; from nothing ten minut
 (`capillary_trains`).
 """
 
-from itertools import pairwise
-
+import capillary_dense
+import capillary_films
 import capillary_trains as trains
 import numpy as np
 import xarray as xr
@@ -15,7 +15,6 @@ from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
 from page import Page, plain_figure
 
 from celltrain.diagnostics import in_vitro_fahraeus, in_vitro_viscosity
-from celltrain.diagnostics.lubrication import rigid_bullet
 
 COLORMAP = colormaps["viridis"]
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -38,18 +37,21 @@ def study() -> None:
 Trains of the default cell, r0 = {trains.CELL_RADIUS * 1e6:g} um, plasma of 1.2 mPa s, moduli in SI
 as everywhere. All trains have a residual below
 {_bound(measured, films, stable):.0e} U. Each was computed at two degrees, M = {low}, or {high} in
-tubes below {trains.NARROW:g} r0 ({trains.NARROW * 2.8:.1f} um); what is shown is the higher one,
-and *error* is its difference from the lower one.
+tubes below {trains.NARROW:g} r0 ({trains.NARROW * 2.8:.1f} um), there with `grading` 1 in the map
+of growth rates at packing {trains.MAP_PACKINGS[1]:g}; what is shown is the higher one, and *error*
+is its difference from the lower one.
 """
     )
     _beside_measurement(page, measured)
-    _film(page, films)
+    capillary_films.section(page, films, stable)
     _stability(page, stable)
+    capillary_dense.section(page)
     page.figure(
-        _figure(measured, films, stable),
-        "Viscosity and the cells' velocity (dots: trains, lines: laws); the film over the speed;"
-        f" growth rates at {trains.MAP_SPEEDS[0] * 1e3:g} mm/s (packing"
-        f" {trains.MAP_PACKINGS[0]:g}: full lines, {trains.MAP_PACKINGS[1]:g}: dashed)",
+        _figure(measured, stable),
+        "Viscosity and the cells' velocity (dots: trains, lines: laws); the film over the speed,"
+        " and what a train adds to the viscosity (dots: trains, crosses: lubrication theory);"
+        f" growth rates of each m at {trains.SPEED * 1e3:g} mm/s, and the fastest disturbance at"
+        f" three speeds. Packing {trains.MAP_PACKINGS[1]:g} but for the first two",
     )
     page.write()
 
@@ -156,101 +158,6 @@ Nothing in the trains is fitted.
 """
 
 
-def _film(page: Page, data: xr.Dataset) -> None:
-    page.heading("The film, and lubrication theory of a bullet")
-    page.text(
-        """
-A long rigid cylinder of radius a = lambda R, free of force, in a tube of radius R: in the film the
-flow is u = G (R^2 - r^2)/4 + c log(R/r), mu = 1, and the balance of the cell, pressure pi a^2 G
-against the shear force, asks for c = 0. So the film has the plain parabola at a pressure gradient
-G, and the flux pi R^2 U = pi a^2 U_c + 2 pi int_a^R u r dr gives
-"""
-    )
-    page.parts.append(
-        "    U_c/U = 2/(1 + lambda^2),    G = (8 U/R^2)/(1 - lambda^4),\n\n"
-        "    thin films, h = R - a:   U_c/U = 1 + h/R,   dp - dp_plain = 2 mu U l/(R h),\n\n"
-        "    mu_eff - 1 = (l/L) lambda^4/(1 - lambda^4)  ->  (l/L) R/(4 h),"
-    )
-    page.text(
-        """
-l the length of the cylinder and L that of tube for each cell. A cell whose radius a(z) varies
-slowly has the flow of an annulus at each z; that the flux is the same everywhere, and the force
-none, gives its U_c and pressure drop (`celltrain.diagnostics.lubricated`, which has the equations).
-What the film is, elasticity decides. At the nose it opens from the wall as a membrane of tension T
-bends away from it: the pressure p = -T h'' and the flux in the frame of the cell,
-h^3 p'/12 - U_c h/2 = -U_c h_0/2, give
-"""
-    )
-    page.parts.append("    T h''' = 6 mu U_c (h - h_0)/h^3,")
-    page.text(
-        """
-which is the equation of a long bubble (Bretherton 1961) with 6 in place of 3, as the membrane does
-not slip: h_0/R = 0.643 (6 mu U_c/T)^(2/3). So where the tension is that of the cell pressed into
-the tube, whatever the speed, the film grows as U^(2/3); where the flow itself makes the tension, T
-as mu U, it no longer grows with the speed. The power that is seen, from one speed to the next, is
-in the table.
-"""
-    )
-    rows: list[tuple[object, ...]] = []
-    for diameter in trains.FILM_DIAMETERS:
-        at = data.sel(diameter=diameter)
-        powers = ["", *(f"{each:.2f}" for each in powers_of(at))]
-        for place, speed in enumerate(trains.FILM_SPEEDS):
-            here = at.isel(speed=place)
-            film, radius = float(here["film"]), diameter / 2.0
-            velocity, viscosity = float(here["cell_velocity"]), float(here["viscosity"])
-            rough = rigid_bullet(1.0 - film / radius)
-            part = float(here["length"] * here["packing"])
-            rows.append(
-                (
-                    f"{diameter:g}",
-                    f"{speed * 1e3:g}",
-                    f"{film:.4f}",
-                    f"{abs(film - float(here['coarse_film'])) / film:.1%}",
-                    powers[place],
-                    f"{velocity:.4f}",
-                    f"{float(here['lubricated_velocity']):.4f}",
-                    f"{rough[0]:.4f}",
-                    f"{viscosity - 1.0:.3f}",
-                    f"{abs(viscosity - float(here['coarse_viscosity'])) / (viscosity - 1.0):.1%}",
-                    f"{float(here['lubricated_viscosity']) - 1.0:.3f}",
-                    f"{part * (rough[1] - 1.0):.3f}",
-                )
-            )
-    page.table(
-        (
-            "D, r0",
-            "U, mm/s",
-            "film, r0",
-            "error",
-            "power of U",
-            "U_c/U",
-            "lubrication",
-            "bullet",
-            "mu_eff - 1",
-            "error",
-            "lubrication",
-            "bullet",
-        ),
-        rows,
-    )
-    page.text(
-        f"""
-Packing {trains.FILM_PACKING:g}. The film is the smallest distance from the wall; *lubrication*
-takes the computed shape of the cell, *bullet* a cylinder with that film and the cell's length,
-which makes it an upper bound of the pressure drop. (mu_eff - 1) times 8 L/R^2 is the pressure drop
-of one
-cell in mu U/r0.
-"""
-    )
-
-
-def powers_of(data: xr.Dataset) -> list[float]:
-    """d log(film)/d log(U) from one speed to the next."""
-    points = list(zip(np.log(data["speed"].values), np.log(data["film"].values), strict=True))
-    return [float((b[1] - a[1]) / (b[0] - a[0])) for a, b in pairwise(points)]
-
-
 def _stability(page: Page, data: xr.Dataset) -> None:
     page.heading("Are these trains stable?")
     page.text(
@@ -265,32 +172,31 @@ past the cells), and *travel* how far the train goes, in r0, while it grows e-fo
     rows = []
     unstable = 0
     leading: dict[int, int] = {}
-    for speed in trains.MAP_SPEEDS:
-        for packing in trains.MAP_PACKINGS:
-            for diameter in trains.MAP_DIAMETERS:
-                at = data.sel(speed=speed, packing_given=packing, diameter=diameter)
-                place = int(np.argmax(at["rate"].values))
-                m, rate = int(at["m"][place]), float(at["rate"][place])
-                error = abs(rate - float(at["coarse_rate"].max()))
-                grows = rate > error
-                unstable += grows
-                if grows:
-                    leading[m] = leading.get(m, 0) + 1
-                travel = float(at["cell_velocity"]) / rate
-                rows.append(
-                    (
-                        f"{speed * 1e3:g}",
-                        f"{packing:g}",
-                        f"{diameter:g} ({diameter * 2.8:.1f} um)",
-                        f"{rate:+.4f}",
-                        f"{error:.0e}",
-                        f"{m}, {MODES.get(m, 'folds along the cell')}",
-                        int(at["wave"][place]),
-                        f"{float(at['frequency'][place]):+.3f}",
-                        f"{travel:.0f}" if grows else "",
-                        "unstable" if grows else "stable" if rate < -error else "not resolved",
-                    )
+    for speed, packing, _, narrowest in sorted(trains.MAP_CASES):
+        for diameter in (each for each in trains.MAP_DIAMETERS if each >= narrowest):
+            at = data.sel(speed=speed, packing_given=packing, diameter=diameter)
+            place = int(np.nanargmax(at["rate"].values))
+            m, rate = int(at["m"][place]), float(at["rate"][place])
+            error = abs(rate - float(at["coarse_rate"].max()))
+            grows = rate > error
+            unstable += grows
+            if grows:
+                leading[m] = leading.get(m, 0) + 1
+            travel = float(at["cell_velocity"]) / rate
+            rows.append(
+                (
+                    f"{speed * 1e3:g}",
+                    f"{packing:g}",
+                    f"{diameter:g} ({diameter * 2.8:.1f} um)",
+                    f"{rate:+.4f}",
+                    f"{error:.0e}",
+                    f"{m}, {MODES.get(m, 'folds along the cell')}",
+                    int(at["wave"][place]),
+                    f"{float(at['frequency'][place]):+.3f}",
+                    f"{travel:.0f}" if grows else "",
+                    "unstable" if grows else "stable" if rate < -error else "not resolved",
                 )
+            )
     page.table(
         ("U, mm/s", "phi", "D, r0", "alpha", "error", "m", "j", "omega", "travel", "train"), rows
     )
@@ -302,15 +208,44 @@ past the cells), and *travel* how far the train goes, in r0, while it grows e-fo
 disc's, is too long around: it is compressed around the axis and folds lengthwise, in several lobes,
 at rates that no tilt comes near. An axisymmetric cell is there a state that a real cell does not
 keep; its viscosity and film are those of the unfolded shape. The folds are the membrane's finest
-pattern and the last that a degree has: the rates are right to a factor of two there, and what is
-sure of them is the sign (`examples/capillary.py`, 5 um, packing 0.2: 1.72 at M = 24, 1.31 at
-32, 1.19 at 40, 1.14 at 56, 1.13 at 64)."""
+pattern and the last that a degree has: without grading they are known to a factor of two at these
+degrees (`examples/capillary.py`, 5 um, packing 0.2: 1.72 at M = 24, 1.31 at 32, 1.19 at 40, 1.14 at
+56, 1.13 at 64)."""
     )
+    page.text(_speeds(data))
 
 
-def _figure(measured: xr.Dataset, films: xr.Dataset, stable: xr.Dataset) -> Figure:
-    figure = plain_figure(8.6, 6.8)
-    (viscosity, velocity), (film, growth) = figure.subplots(2, 2)
+def _speeds(data: xr.Dataset) -> str:
+    """How the growth rates go with the speed, in words."""
+    packing = trains.MAP_PACKINGS[1]
+    words = []
+    for speed, share, _, narrowest in sorted(trains.MAP_CASES):
+        if share != packing:
+            continue
+        here = data.sel(speed=speed, packing_given=packing)
+        second = speed / trains.CELL_RADIUS
+        parts = []
+        for diameter in (narrowest, max(trains.MAP_DIAMETERS)):
+            at = here.sel(diameter=diameter)
+            rate, coarse = float(at["rate"].max()), float(at["coarse_rate"].max())
+            parts.append(
+                f"{rate:.3g} +- {abs(rate - coarse):.1g} U/r0 ({rate * second:.3g}/s) at"
+                f" D = {diameter:g}"
+            )
+        words.append(f"{speed * 1e3:g} mm/s: {', '.join(parts)}")
+    highest = max(trains.NUMBERS)
+    return f"""
+With the speed, at packing {packing:g}: {"; ".join(words)}. In units of the flow a membrane grows
+faster the weaker the flow; per second the folds of a narrow tube at the two lower speeds differ by
+less than a factor of two: what drives them is the membrane's own tension. Where m = {highest}
+leads, the highest that was looked at, still higher ones may be faster. In tubes below
+{max(case[3] for case in trains.MAP_CASES):g} r0 the fastest flow was not computed.
+"""
+
+
+def _figure(measured: xr.Dataset, stable: xr.Dataset) -> Figure:
+    figure = plain_figure(8.6, 9.8)
+    (viscosity, velocity), (film, cost), (growth, fastest) = figure.subplots(3, 2)
     wide = np.linspace(min(trains.DIAMETERS), max(trains.DIAMETERS), 100)
     for share, color in zip(trains.HAEMATOCRITS, COLORS, strict=False):
         at = measured.sel(haematocrit=share)
@@ -321,27 +256,49 @@ def _figure(measured: xr.Dataset, films: xr.Dataset, stable: xr.Dataset) -> Figu
     viscosity.set(xlabel=r"D ($\mu$m)", ylabel="viscosity over plasma's")
     viscosity.legend(title="H_D", fontsize=7, title_fontsize=7, frameon=False)
     velocity.set(xlabel=r"D ($\mu$m)", ylabel=r"$U_c/U$")
-    for diameter, color in zip(trains.FILM_DIAMETERS, COLORS, strict=False):
-        at = films.sel(diameter=diameter)
-        film.loglog(
-            at["speed"] * 1e3, at["film"], "o-", color=color, ms=4, lw=1, label=f"D = {diameter:g}"
-        )
-    slope = np.array([0.2, 0.5])
-    film.loglog(slope, 0.09 * (slope / 0.2) ** (2 / 3), "k--", lw=0.8, label=r"$U^{2/3}$")
+    packing = trains.MAP_PACKINGS[1]
+    for diameter, color in zip(trains.MAP_DIAMETERS, COLORS, strict=False):
+        at = stable.sel(diameter=diameter, packing_given=packing)
+        speeds = at["speed"] * 1e3
+        film.loglog(speeds, at["film"], "o-", color=color, ms=4, lw=1, label=f"D = {diameter:g}")
+        cost.loglog(speeds, at["viscosity"] - 1.0, "o-", color=color, ms=4, lw=1)
+        cost.loglog(speeds, at["lubricated_viscosity"] - 1.0, "x", color=color, ms=5)
+    slope = np.array([0.1, 0.3])
+    film.loglog(slope, 0.08 * (slope / 0.1) ** (2 / 3), "k--", lw=0.8, label=r"$U^{2/3}$")
     film.set(xlabel="U (mm/s)", ylabel=r"film ($r_0$)")
-    for axis, ticks in ((film.xaxis, (0.2, 0.5, 1, 2)), (film.yaxis, (0.1, 0.12, 0.15, 0.18))):
+    cost.set(xlabel="U (mm/s)", ylabel=r"$\mu_{\rm eff} - 1$")
+    for axis, ticks in (
+        *((panel.xaxis, (0.1, 1, 10)) for panel in (film, cost)),
+        (film.yaxis, (0.05, 0.1, 0.2, 0.5, 1)),
+        (cost.yaxis, (0.05, 0.1, 0.2, 0.5, 1, 2)),
+    ):
         axis.set_major_locator(FixedLocator(ticks))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_locator(NullLocator())
     film.legend(fontsize=7, frameon=False)
-    speed = trains.MAP_SPEEDS[0]
-    for packing, style in zip(trains.MAP_PACKINGS, ("-", "--"), strict=True):
-        at = stable.sel(speed=speed, packing_given=packing)
-        for m in trains.NUMBERS:
-            label = f"m = {m}" if packing == trains.MAP_PACKINGS[0] else None
-            color = COLORMAP(m / max(trains.NUMBERS))
-            growth.plot(at["diameter"], at["rate"].sel(m=m), style, color=color, lw=1, label=label)
-    growth.axhline(0.0, color="0.6", lw=0.6, zorder=0)
+    at = stable.sel(speed=trains.SPEED, packing_given=packing)
+    for m in trains.NUMBERS:
+        color = COLORMAP(m / max(trains.NUMBERS))
+        growth.plot(at["diameter"], at["rate"].sel(m=m), color=color, lw=1, label=f"m = {m}")
     growth.set(xlabel=r"D ($r_0$)", ylabel=r"growth rate ($U/r_0$)", ylim=(-1.5, 2.0))
     growth.legend(fontsize=6.5, frameon=False, ncols=2)
+    for speed, color in zip(trains.MAP_SPEEDS, COLORS, strict=False):
+        at = stable.sel(speed=speed, packing_given=packing)
+        error = np.abs(at["rate"].max("m") - at["coarse_rate"].max("m"))
+        fastest.errorbar(
+            at["diameter"],
+            at["rate"].max("m"),
+            error,
+            fmt="o-",
+            color=color,
+            ms=4,
+            lw=1,
+            capsize=2,
+            label=f"{speed * 1e3:g} mm/s",
+        )
+    fastest.set_yscale("symlog", linthresh=0.1, linscale=0.5)
+    fastest.set(xlabel=r"D ($r_0$)", ylabel=r"fastest growth rate ($U/r_0$)")
+    fastest.legend(fontsize=7, frameon=False)
+    for panel in (growth, fastest):
+        panel.axhline(0.0, color="0.6", lw=0.6, zorder=0)
     return figure

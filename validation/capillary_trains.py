@@ -24,10 +24,17 @@ CELL_RADIUS = 2.8e-6
 DIAMETERS = (4.0, 5.0, 6.0, 7.0, 8.0, 10.0)
 HAEMATOCRITS = (0.15, 0.3, 0.45, 0.5)
 SPEED = 1e-3
-#: Tubes (r0), packings and speeds (m/s) of the map of growth rates.
+#: Tubes (r0), and pairs of a speed (m/s) and a packing, of the map of growth rates.
 MAP_DIAMETERS = (1.6, 2.0, 2.5, 3.0, 3.5)
+MAP_SPEEDS = (1e-4, 1e-3, 1e-2)
 MAP_PACKINGS = (0.1, 0.25)
-MAP_SPEEDS = (1e-3,)
+#: With the grading of the cells in tubes below `NARROW`, and the narrowest tube.
+MAP_CASES = (
+    (1e-3, 0.25, 1.0, 1.6),
+    (1e-4, 0.25, 1.0, 1.6),
+    (1e-2, 0.25, 1.0, 2.5),
+    (1e-3, 0.1, 0.0, 1.6),
+)
 NUMBERS = tuple(range(11))
 #: Disturbances of higher numbers die out from cell to cell: two phases are enough.
 LOW_NUMBERS = (0, 1)
@@ -99,7 +106,7 @@ class Pair:
         }
 
 
-def case(diameter: float, packing: float, speed: float) -> Train:
+def case(diameter: float, packing: float, speed: float, grading: float = 0.0) -> Train:
     """A train in a tube of a diameter in r0, a speed in m/s."""
     return Train.from_si(
         radius=CELL_RADIUS,
@@ -107,6 +114,7 @@ def case(diameter: float, packing: float, speed: float) -> Train:
         mean_velocity=speed,
         packing=packing,
         cells=CELLS,
+        grading=grading if diameter < NARROW else 0.0,
     )
 
 
@@ -147,7 +155,7 @@ def measured(page: Page) -> xr.Dataset:
             near = last[diameter] = found.fine
             _keep(kept, MEASURED, found.numbers(), place)
             page.log(f"{diameter:g} um, {share:g}: {found.fine.effective_viscosity:.4f}")
-    return _ended(kept, MEASURED)
+    return _ended(kept, MEASURED, len(DIAMETERS) * len(HAEMATOCRITS))
 
 
 def _at_share(diameter: float, share: float, start: Base | None) -> Pair:
@@ -173,12 +181,12 @@ def stability_map(page: Page) -> xr.Dataset:
         kept = kept.assign_coords(m=("m", list(NUMBERS)))
         for name, unit in RATES.items():
             kept[name] = ((*axes, "m"), np.full(shape, np.nan), {"units": unit})
-    for speed, packing, diameter, start in _walk():
+    for speed, packing, diameter, grading, start in _walk():
         place = {"diameter": diameter, "packing_given": packing, "speed": speed}
         if _known(kept, place):
             continue
         try:
-            found = pair(case(diameter, packing, speed), start.get("base"))
+            found = pair(case(diameter, packing, speed, grading), start.get("base"))
         except (NotConverged, CaseError) as error:
             page.log(f"{speed:g} m/s, packing {packing:g}, D = {diameter:g}: {error}")
             continue
@@ -192,16 +200,17 @@ def stability_map(page: Page) -> xr.Dataset:
         _keep(kept, MAP, found.numbers(), place)
         rates = " ".join(f"{fine[m][1].real:+.4f}" for m in NUMBERS)
         page.log(f"{speed:g} m/s, packing {packing:g}, D = {diameter:g}: {rates}")
-    return _ended(kept, MAP)
+    return _ended(kept, MAP, len(list(_walk())))
 
 
-def _walk() -> Iterator[tuple[float, float, float, dict[str, Base]]]:
-    """Speeds, packings, and diameters from wide to narrow, with where to keep the last train."""
-    for speed in MAP_SPEEDS:
-        for packing in MAP_PACKINGS:
-            last: dict[str, Base] = {}
-            for diameter in sorted(MAP_DIAMETERS, reverse=True):
-                yield speed, packing, diameter, last
+def _walk() -> Iterator[tuple[float, float, float, float, dict[str, Base]]]:
+    """Speeds, packings, diameters, wide to narrow, gradings, and where to keep the last train."""
+    for speed, packing, grading, narrowest in MAP_CASES:
+        last: dict[str, Base] = {}
+        for diameter in sorted(MAP_DIAMETERS, reverse=True):
+            if diameter < narrowest:
+                break
+            yield speed, packing, diameter, grading, last
 
 
 def _leading(base: Base) -> dict[int, tuple[int, complex]]:
@@ -242,7 +251,7 @@ def films(page: Page) -> xr.Dataset:
                 _keep(kept, FILMS, found.numbers(), {"diameter": diameter, "speed": speed})
                 film = diameter / 2.0 - found.fine.largest_radius
                 page.log(f"D = {diameter:g}, {speed:g} m/s: film {film:.4f}")
-    return _ended(kept, FILMS)
+    return _ended(kept, FILMS, len(FILM_DIAMETERS) * len(FILM_SPEEDS))
 
 
 def _part(path: Path) -> Path:
@@ -273,12 +282,12 @@ def _keep(kept: xr.Dataset, path: Path, numbers: dict[str, float], place: dict[s
     write_dataset(kept, _part(path))
 
 
-def _ended(kept: xr.Dataset, path: Path) -> xr.Dataset:
-    """The same, if nothing is missing.
+def _ended(kept: xr.Dataset, path: Path, wanted: int) -> xr.Dataset:
+    """The same, if as many trains are there as are wanted.
 
     **Raises:** `RuntimeError` if something is.
     """
-    missing = int(np.isnan(kept["cell_velocity"]).sum())
+    missing = wanted - int(np.isfinite(kept["cell_velocity"]).sum())
     if missing:
         raise RuntimeError(f"{path.stem}: {missing} trains are missing")
     _part(path).unlink()

@@ -57,7 +57,8 @@ class CellsInFlow:
 
         **Raises:** `CaseError` for a resolution without a degree.
         """
-        shape = resting_shape(self.cell, self.resolution.sizes.degree)
+        sizes = self.resolution.sizes
+        shape = resting_shape(self.cell, sizes.degree, sizes.grading)
         middles = np.asarray(places, dtype=float).reshape(-1, 3)
         return displaced(np.repeat(shape[None], len(middles), axis=0), middles)
 
@@ -96,7 +97,7 @@ class CellsInFlow:
             cell_velocity=0.0,
             volumes=jax.vmap(operator.membrane.volume)(jnp.asarray(shapes)),
             surroundings=around,
-            film_forces=film_forces(self.cell, degree, around, self.repulsion),
+            film_forces=film_forces(self.cell, self.resolution.sizes, around, self.repulsion),
             wall_gap=wall_gap,
         )
 

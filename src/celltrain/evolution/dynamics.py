@@ -159,7 +159,7 @@ def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dyna
         cell_velocity=base.cell_velocity,
         volumes=jax.vmap(operator.membrane.volume)(jnp.asarray(shapes)),
         surroundings=tube,
-        film_forces=film_forces(train.cell, train.degree, tube, repulsion),
+        film_forces=film_forces(train.cell, train.sizes, tube, repulsion),
         wall_gap=wall_gap,
     )
 

@@ -4,7 +4,14 @@ import numpy as np
 import scipy  # loads its parts when they are used
 from jaxtyping import Float
 
-from celltrain.harmonics import Shape, coefficients_of, legendre_functions, project_meridian
+from celltrain.harmonics import (
+    Shape,
+    coefficients_of,
+    legendre_functions,
+    profile_of,
+    project_meridian,
+)
+from celltrain.harmonics.grading import regraded
 from celltrain.membrane.equilibrium import relaxed_shape
 from celltrain.membrane.reference import reference_coefficients
 from celltrain.parameters import CaseError, Cell
@@ -14,12 +21,22 @@ from celltrain.parameters.reference_shape import spheroid_axes
 LARGEST_MISFIT = 0.02
 
 
-def resting_shape(cell: Cell, degree: int) -> Shape:
+def resting_shape(cell: Cell, degree: int, grading: float = 0.0) -> Shape:
     """Coefficients, below `degree`, of a cell at rest, its axis the tube's.
+
+    **Arguments:** `grading` of the meridian (see `harmonics.grading`).
 
     **Raises:** `CaseError` for a profile that the degree cannot follow, or if no shape of the
     cell's reduced volume was found.
     """
+    shape = _usual_shape(cell, degree)
+    if grading == 0.0:
+        return shape
+    return coefficients_of(regraded(profile_of(shape), 0.0, grading))
+
+
+def _usual_shape(cell: Cell, degree: int) -> Shape:
+    """The same without grading."""
     if cell.reduced_volume is not None:
         return relaxed_shape(degree, cell.reduced_volume)
     if cell.profile is not None:

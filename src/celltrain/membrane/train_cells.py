@@ -15,7 +15,7 @@ def meridian_membrane(train: Train) -> AxisymmetricMembrane:
     **Raises:** `CaseError` if the train has no degree, or there is no such shape at rest.
     """
     cell, sizes = train.cell, train.sizes
-    rest = profile_of(resting_shape(cell, sizes.degree))
+    rest = profile_of(resting_shape(cell, sizes.degree, sizes.grading))
     return axisymmetric_membrane(*cell_material(cell), rest, energy_order=sizes.energy_order)
 
 

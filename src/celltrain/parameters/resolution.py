@@ -18,7 +18,7 @@ FOLLOWS: JsonDict = {"default": "follows from the degree"}
 
 @dataclass(frozen=True)
 class Sizes:
-    """Degree M of the shapes and all sizes of the rules, as whole numbers.
+    """Degree M and grading of the shapes, and all sizes of the rules.
 
     The energy's and the targets' grid serve the operator of three-dimensional and that of
     axisymmetric shapes, the others the three-dimensional operator only.
@@ -30,6 +30,7 @@ class Sizes:
     target_order: int
     polar_radial: int
     polar_azimuthal: int
+    grading: float = 0.0
 
 
 class Resolution(Section):
@@ -49,6 +50,13 @@ class Resolution(Section):
             "reason": "the resting cell itself has harmonics of degree 5",
             "default": "as the accuracy asks for",
         },
+    )
+    grading: Annotated[Real, NUMBER] = Field(
+        default=0.0,
+        ge=0,
+        le=1,
+        description="how much the points of a cell are drawn together about its rear rim and its"
+        " nose, for narrow tubes, where a degree reaches further with 1 than with 0",
     )
     energy_order: Whole | None = Field(
         default=None,
@@ -136,4 +144,5 @@ class Resolution(Section):
         return Sizes(
             degree,
             **{name: usual[name] if size is None else size for name, size in given.items()},
+            grading=self.grading,
         )

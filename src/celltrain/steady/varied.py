@@ -20,6 +20,7 @@ from typing import TypeVar
 import numpy as np
 
 from celltrain.harmonics import Profile, profile_of
+from celltrain.harmonics.grading import regraded
 from celltrain.membrane import (
     AxisymmetricMembrane,
     axisymmetric_membrane,
@@ -62,7 +63,8 @@ class VariedTrain:
         self.step = STEP * max(min(beside, between), STEP) * (abs(self.value) or 1.0)
         self._rest_slope: Profile | None = None
         if parameter == "reduced_volume":
-            self._rest_slope = profile_of(relaxed_slope(train.degree, self.value))
+            slope = profile_of(relaxed_slope(train.degree, self.value))
+            self._rest_slope = regraded(slope, 0.0, train.resolution.grading)
 
     def flow(
         self,

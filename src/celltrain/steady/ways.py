@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from celltrain.harmonics import Profile
+from celltrain.harmonics.grading import regraded
 from celltrain.meridian.geometry import size_at_rest
 from celltrain.parameters import Train
 from celltrain.proximity.meridian import clearance
@@ -78,6 +79,9 @@ class Ways:
         self, begin: Train, profile: Profile, train: Train, *, also_from_rest: bool
     ) -> tuple[Followed, str]:
         """The train that continues another one, or where the last way has ended; and how."""
+        grading = train.resolution.grading
+        profile = regraded(profile, begin.resolution.grading, grading)
+        begin = begin.changed(grading=grading)
         origin = f"continuation from {describe_change(begin, train)}"
 
         def start() -> Followed:

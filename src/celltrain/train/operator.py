@@ -228,7 +228,7 @@ class CellsOperator(eqx.Module):
 def cells_membrane(cell: Cell, resolution: Resolution) -> Membrane:
     """The membrane that cells have."""
     sizes = resolution.sizes
-    shape = resting_shape(cell, sizes.degree)
+    shape = resting_shape(cell, sizes.degree, sizes.grading)
     return make_membrane(*cell_material(cell), shape, energy_order=sizes.energy_order)
 
 
@@ -239,7 +239,8 @@ def train_membrane(train: Train) -> Membrane:
 
 def resting_shapes(train: Train, cells: int) -> Shapes:
     """Resting cells on the axis, one period apart, the first at z = 0."""
-    return place_cells(resting_shape(train.cell, train.degree), train, cells)
+    sizes = train.sizes
+    return place_cells(resting_shape(train.cell, sizes.degree, sizes.grading), train, cells)
 
 
 def close_distance(resolution: Resolution) -> float:

@@ -22,7 +22,7 @@ from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.harmonics import Shapes
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import resting_shape
-from celltrain.parameters import Cell
+from celltrain.parameters import Cell, Sizes
 from celltrain.proximity.film_points import FINE, FilmGrid, film_grid
 from celltrain.surroundings import Surroundings
 
@@ -91,15 +91,15 @@ class FilmForces:
 
 
 def film_forces(
-    cell: Cell, degree: int, surroundings: Surroundings, repulsion: Repulsion
+    cell: Cell, sizes: Sizes, surroundings: Surroundings, repulsion: Repulsion
 ) -> FilmForces:
-    """The repulsion in the films of equal cells, whose shapes have the harmonics below `degree`."""
-    grid = film_grid(degree)
-    down, around = grid.slopes @ resting_shape(cell, degree).T
+    """The repulsion in the films of equal cells, whose shapes have the degree of `sizes`."""
+    grid = film_grid(sizes.degree)
+    down, around = grid.slopes @ resting_shape(cell, sizes.degree, sizes.grading).T
     element = np.linalg.norm(np.cross(down, around), axis=-1) / np.sin(grid.angles[:, 0])
     return FilmForces(
         repulsion=repulsion,
         surroundings=surroundings,
         grid=grid,
-        areas=np.asarray(sphere_grid(1, FINE * degree).weights) * element,
+        areas=np.asarray(sphere_grid(1, FINE * sizes.degree).weights) * element,
     )
