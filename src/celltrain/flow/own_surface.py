@@ -7,6 +7,7 @@ to phi = 0.
 """
 
 import math
+from functools import partial
 
 import equinox as eqx
 import jax
@@ -14,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.compiled import OWN_FORCES, compiled_or_plain, loop
 from celltrain.compiled.kernels import (
     SYMMETRIC,
     cross,
@@ -61,17 +63,7 @@ class OwnSurfaceRule(eqx.Module):
         **Arguments:** `longitudes`: of the targets on the parameter sphere; `forces`: coefficients
         of the force per solid angle.
         """
-        both = jnp.concatenate([shapes, forces], axis=1)
-        shifted = shift_longitude(both, longitudes)
-
-        def of_ring(ring: tuple[Array, Array]) -> Float[Array, "cell azimuth 3"]:
-            rotation, points = ring
-            turned = jnp.einsum("kl,acil->icak", rotation, shifted)
-            values = self.tables.values(turned)
-            return force_sums(self.parameter, points, values, self.weights)
-
-        by_ring = jax.lax.map(of_ring, (self.rotations, jnp.moveaxis(targets, 1, 0)))
-        return jnp.moveaxis(by_ring, 0, 1) / (8.0 * math.pi)
+        return own_velocity(self, targets, longitudes, shapes, forces) / (8.0 * math.pi)
 
     def double_layer(
         self,
@@ -129,6 +121,53 @@ class OwnSurfaceRule(eqx.Module):
         values = np.zeros(n.size**2)
         values[n * n + n] = np.sqrt((2 * n + 1) / (4.0 * np.pi))
         return jnp.asarray(values)
+
+
+@jax.custom_jvp
+def own_velocity(
+    rule: OwnSurfaceRule,
+    targets: Float[Array, "cell ring azimuth 3"],
+    longitudes: Float[Array, " azimuth"],
+    shapes: JaxShapes,
+    forces: JaxShapes,
+) -> Float[Array, "cell ring azimuth 3"]:
+    """int G_near F dOmega over each target's own cell, by a compiled loop where there is one.
+
+    Derivatives are those of the formula.
+    """
+    return compiled_or_plain(_own_loop, _own_formula, rule, targets, longitudes, shapes, forces)
+
+
+@own_velocity.defjvp
+def _own_velocity_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    rule, *inputs = primals
+    formula = partial(_own_formula, rule)
+    _, moved = jax.jvp(formula, tuple(inputs), tuple(tangents[1:]))
+    return own_velocity(rule, *inputs), moved
+
+
+def _own_loop(
+    rule: OwnSurfaceRule, targets: Array, longitudes: Array, shapes: JaxShapes, forces: JaxShapes
+) -> Array:
+    both = jnp.concatenate([shapes, forces], axis=1)
+    tables = (rule.rotations, rule.tables.latitude, rule.tables.longitude, rule.weights)
+    given = (targets, both, longitudes, *tables, jnp.asarray(rule.parameter))
+    return loop(OWN_FORCES, targets.shape, *given)
+
+
+def _own_formula(
+    rule: OwnSurfaceRule, targets: Array, longitudes: Array, shapes: JaxShapes, forces: JaxShapes
+) -> Array:
+    """What `own_velocity` computes."""
+    shifted = shift_longitude(jnp.concatenate([shapes, forces], axis=1), longitudes)
+
+    def of_ring(ring: tuple[Array, Array]) -> Float[Array, "cell azimuth 3"]:
+        rotation, points = ring
+        turned = jnp.einsum("kl,acil->icak", rotation, shifted)
+        return force_sums(rule.parameter, points, rule.tables.values(turned), rule.weights)
+
+    by_ring = jax.lax.map(of_ring, (rule.rotations, jnp.moveaxis(targets, 1, 0)))
+    return jnp.moveaxis(by_ring, 0, 1)
 
 
 def own_surface_rule(
