@@ -9,9 +9,16 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.special import erfc
 
-from celltrain.compiled.near_loops import _near_parts
+from celltrain.compiled.near_loops import near_parts
+from celltrain.flow import own_surface_rule
 from celltrain.flow.force_sums import _formula, force_sums
 from celltrain.flow.near import Listed, _pair_sums_formula, pair_sums
+from celltrain.flow.own_surface import (
+    _double_layer_formula,
+    _own_formula,
+    own_double_layer,
+    own_velocity,
+)
 
 XI = 1.3
 CHUNKS, TARGETS, BLOCKS, SOURCES, IMAGES = 3, 5, 4, 7, 1
@@ -43,7 +50,7 @@ def listed(*, keep: bool) -> Listed:
 
 @pytest.mark.parametrize("square", [1e-8, 0.01, 0.5, 3.0, 12.0, 50.0])
 def test_parts_of_the_near_kernel(square: float) -> None:
-    screened, gauss, inverse = _near_parts(square, XI)
+    screened, gauss, inverse = near_parts(square, XI)
     r = np.sqrt(square)
     # Relative to the free kernel, which is what errors are measured by.
     assert_allclose(screened * r, erfc(XI * r), rtol=0, atol=1e-12)
@@ -96,3 +103,38 @@ def test_what_is_no_number_stays_none() -> None:
     assert image.size
     assert np.isnan(found[:, 1, 2]).any()
     assert np.isfinite(np.delete(found, 1, axis=1)).all()
+
+
+@pytest.mark.parametrize(("degree", "azimuthal", "cells"), [(3, 6, 4), (5, 7, 1), (8, 7, 4)])
+def test_own_surface(degree: int, azimuthal: int, cells: int) -> None:
+    random = np.random.default_rng(7)
+    theta = np.array([0.3, 1.2, 2.9])
+    rule = own_surface_rule(degree, theta, radial=5, azimuthal=azimuthal, parameter=XI)
+    targets = jnp.asarray(random.normal(size=(cells, 3, 5, 3)))
+    longitudes = jnp.asarray(random.uniform(-4.0, 4.0, 5))
+    shapes, forces = (jnp.asarray(random.normal(size=(cells, 3, degree**2))) for _ in range(2))
+    given = rule, targets, longitudes, shapes, forces
+    found, expected = jax.jit(own_velocity)(*given), jax.jit(_own_formula)(*given)
+    assert np.abs(expected).max() > 0.1
+    assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+    # What is no number stays none, and where it is.
+    found = np.array(own_velocity(rule, targets.at[0, 1, 2].set(jnp.nan), *given[2:]))
+    assert np.isnan(found[0, 1, 2]).all()
+    found[0, 1, 2] = expected[0, 1, 2]
+    assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("degree", "azimuthal", "radial"), [(3, 7, 4), (5, 6, 5), (8, 6, 4)])
+def test_own_double_layer(degree: int, azimuthal: int, radial: int) -> None:
+    random = np.random.default_rng(8)
+    theta = np.array([0.3, 1.2, 2.9])
+    rule = own_surface_rule(degree, theta, radial=radial, azimuthal=azimuthal, parameter=XI)
+    targets = jnp.asarray(random.normal(size=(4, 3, 9, 3)))
+    longitudes = jnp.asarray(random.uniform(-4.0, 4.0, 9))
+    shapes = jnp.asarray(random.normal(size=(4, 3, degree**2)))
+    given = rule, targets, longitudes, shapes
+    both = jax.jit(own_double_layer)(*given), jax.jit(_double_layer_formula)(*given)
+    for found, expected in zip(*both, strict=True):
+        assert found.shape == expected.shape
+        assert np.abs(expected).max() > 0.1
+        assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())

@@ -17,7 +17,8 @@ is
 
 which `dispatch.compiled_or_plain` calls. Arrays are handed over flat, in C order; a loop must not
 raise. Numba keeps the machine code beside the source files, or in its cache folder where these
-cannot be written; after a change in this module or in `kernels` remove it.
+cannot be written; after a change in this module or in what the loops share (`kernels`,
+`near_loops`, `polar_lanes`) remove it.
 
 All numbers below are compared with the header when this module is imported. Where they differ from
 it, or the machine is not one of 64 bits with the lowest byte first, no loop is compiled or used.

@@ -49,9 +49,14 @@ def squared(a: Vector) -> Number:
     return a[0] ** 2 + a[1] ** 2 + a[2] ** 2
 
 
-def cross(a: Vector, b: Vector) -> list[Number]:
+@register_jitable(inline="always")
+def cross(a: Vector, b: Vector) -> tuple[Number, Number, Number]:
     """a x b."""
-    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
 
 
 @register_jitable(inline="always")
@@ -70,6 +75,7 @@ def stresslet_scalars(
     return linear, -2.0 * (3.0 * core + linear) * inverse_square
 
 
+@register_jitable(inline="always")
 def free_stresslet(square: Number, inverse: Number) -> Number:
     """b in free space, -6/r^5, from r^2 and 1/r."""
     return (-6.0 / square**2) * inverse
@@ -144,19 +150,25 @@ def stresslet(scalars: Scalars, d: Vector, density: Vector, normal: Vector) -> l
     return [-d[i] * along - linear * (density[i] * through + normal[i] * onto) for i in range(3)]
 
 
+@register_jitable(inline="always")
 def stresslet_matrix(
     linear: Number, along: Number, through: Number, d: Vector, normal: Vector
-) -> list[Number]:
+) -> tuple[Number, ...]:
     """Components of -T_ijk N_k = -a [I (d.N) + d N + N d] - b (d.N) d d.
 
     **Arguments:** `linear`: a; `along`: b (d.N); `through`: d.N.
     """
-    return [
-        -linear * (d[i] * normal[j] + normal[i] * d[j])
-        - along * d[i] * d[j]
-        - (linear * through if i == j else 0.0)
-        for i, j in SYMMETRIC
-    ]
+    onto = (linear * normal[0], linear * normal[1], linear * normal[2])
+    trace = linear * through
+    x, y, z = along * d[0] + onto[0], along * d[1] + onto[1], along * d[2] + onto[2]
+    return (
+        -(x * d[0] + onto[0] * d[0] + trace),
+        -(x * d[1] + onto[1] * d[0]),
+        -(x * d[2] + onto[2] * d[0]),
+        -(y * d[1] + onto[1] * d[1] + trace),
+        -(y * d[2] + onto[2] * d[1]),
+        -(z * d[2] + onto[2] * d[2] + trace),
+    )
 
 
 def stresslet_gradients(

@@ -40,7 +40,7 @@ FORCE_PAIRS, STRESSLET_PAIRS, NODE_FORCES = (
 )
 
 # Sums may be taken in any order; NaN stays NaN.
-_FAST = {"contract", "reassoc", "nsz", "arcp"}
+FAST = {"contract", "reassoc", "nsz", "arcp"}
 # exp(-x) is the 64th power of exp(-x/64), by its series about the middle of 0 <= x <= 40, beyond
 # which it is nothing.
 _LARGEST, _MIDDLE = 40.0, 40.0 / 128.0
@@ -52,7 +52,7 @@ _PAIR_ARGUMENTS = (FLOATS, FLOATS, FLOATS, INTEGERS, INTEGERS, INTEGERS, FLAGS, 
 _NODE_ARGUMENTS = (FLOATS, FLOATS, FLOATS, FLOATS)
 
 
-@njit(fastmath=_FAST, inline="always", error_model="numpy")
+@njit(fastmath=FAST, inline="always", error_model="numpy")
 def _exponential(x: float) -> float:
     """exp(-x) for x >= 0, to 1e-13."""
     z = (x if x < _LARGEST else _LARGEST) * (1.0 / 64.0) - _MIDDLE
@@ -70,8 +70,8 @@ def _exponential(x: float) -> float:
     return power * power
 
 
-@njit(fastmath=_FAST, inline="always", error_model="numpy")
-def _near_parts(square: float, xi: float) -> tuple[float, float, float]:
+@njit(fastmath=FAST, inline="always", error_model="numpy")
+def near_parts(square: float, xi: float) -> tuple[float, float, float]:
     """erfc(xi r)/r, 2 xi/sqrt(pi) exp(-xi^2 r^2) and 1/r^2, from r^2."""
     root = math.sqrt(square)
     inverse, scaled = 1.0 / root, xi * root
@@ -89,13 +89,13 @@ def _near_parts(square: float, xi: float) -> tuple[float, float, float]:
     return polynomial * gauss * inverse, _GAUSS * xi * gauss, inverse * inverse
 
 
-@njit(fastmath=_FAST, error_model="numpy")
+@njit(fastmath=FAST, error_model="numpy")
 def _force_block(x: float, y: float, z: float, points: Any, forces: Any, xi: float) -> Any:
     """Velocity at one target by a block of sources [3, source]."""
     u = v = w = 0.0
     for s in range(points.shape[1]):
         d = (x - points[0, s], y - points[1, s], z - points[2, s])
-        parts = _near_parts(squared(d), xi)
+        parts = near_parts(squared(d), xi)
         force = (forces[0, s], forces[1, s], forces[2, s])
         by = stokeslet(stokeslet_scalars(parts[0], parts[1], parts[2]), d, force)
         u += by[0]
@@ -104,13 +104,13 @@ def _force_block(x: float, y: float, z: float, points: Any, forces: Any, xi: flo
     return u, v, w
 
 
-@njit(fastmath=_FAST, error_model="numpy")
+@njit(fastmath=FAST, error_model="numpy")
 def _stresslet_block(x: float, y: float, z: float, points: Any, dyads: Any, xi: float) -> Any:
     """Velocity T_near(y - x)_ijk D_jk/2 at one target by a block of sources, D as [6, source]."""
     u = v = w = 0.0
     for s in range(points.shape[1]):
         d = (x - points[0, s], y - points[1, s], z - points[2, s])
-        parts = _near_parts(squared(d), xi)
+        parts = near_parts(squared(d), xi)
         dyad = (dyads[0, s], dyads[1, s], dyads[2, s], dyads[3, s], dyads[4, s], dyads[5, s])
         scalars = stresslet_scalars(parts[0], parts[1], parts[2], xi)
         by = stresslet_of_dyad(scalars, d, dyad)
@@ -183,14 +183,14 @@ def _stresslet_pairs_handler(frame: int) -> int:
     return 0
 
 
-@njit(fastmath=_FAST, error_model="numpy")
+@njit(fastmath=FAST, error_model="numpy")
 def _node_forces(
     x: float, y: float, z: float, points: Any, forces: Any, place: int, weights: Any, xi: float
 ) -> Any:
     u = v = w = 0.0
     for s in range(weights.size):
         d = (x - points[0, place, s], y - points[1, place, s], z - points[2, place, s])
-        parts = _near_parts(squared(d), xi)
+        parts = near_parts(squared(d), xi)
         force = (forces[0, place, s], forces[1, place, s], forces[2, place, s])
         by = stokeslet(stokeslet_scalars(parts[0], parts[1], parts[2]), d, force)
         u += weights[s] * by[0]

@@ -7,6 +7,8 @@ to phi = 0.
 """
 
 import math
+from functools import partial
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -14,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.compiled import OWN_DOUBLE_LAYER, OWN_FORCES, compiled_or_plain, loop
 from celltrain.compiled.kernels import (
     SYMMETRIC,
     cross,
@@ -61,17 +64,7 @@ class OwnSurfaceRule(eqx.Module):
         **Arguments:** `longitudes`: of the targets on the parameter sphere; `forces`: coefficients
         of the force per solid angle.
         """
-        both = jnp.concatenate([shapes, forces], axis=1)
-        shifted = shift_longitude(both, longitudes)
-
-        def of_ring(ring: tuple[Array, Array]) -> Float[Array, "cell azimuth 3"]:
-            rotation, points = ring
-            turned = jnp.einsum("kl,acil->icak", rotation, shifted)
-            values = self.tables.values(turned)
-            return force_sums(self.parameter, points, values, self.weights)
-
-        by_ring = jax.lax.map(of_ring, (self.rotations, jnp.moveaxis(targets, 1, 0)))
-        return jnp.moveaxis(by_ring, 0, 1) / (8.0 * math.pi)
+        return own_velocity(self, targets, longitudes, shapes, forces) / (8.0 * math.pi)
 
     def double_layer(
         self,
@@ -88,47 +81,143 @@ class OwnSurfaceRule(eqx.Module):
         **Returns:** that of the near kernel, and what is to be added to it for the kernel in free
         space, for the lowest degrees of w only, which is good enough for a preconditioner.
         """
-        shifted = shift_longitude(shapes, longitudes)
+        return own_double_layer(self, targets, longitudes, shapes)
 
-        def of_ring(ring: tuple[Array, Array]) -> tuple[Array, Array]:
-            rotation, points = ring
-            turned = jnp.einsum("kl,acil->icak", rotation, shifted)
-            values, down, round_ = self.tables.with_tangents(turned)
-            d = [points[..., i, None, None] - values[i] for i in range(3)]
-            weighted = [each * self.weights for each in cross(list(down), list(round_))]
-            square, through = squared(d), dot(d, weighted)
-            linear, cubic = near_stress_scalars(square, self.parameter)
-            # Signs of T(y - x) = -T(x - y).
-            free = -free_stresslet(square, jax.lax.rsqrt(square)) * through
-            # Or XLA computes them anew for each of the six components.
-            linear, along, free, d, weighted, through = jax.lax.optimization_barrier(
-                (linear, cubic * through, free, d, weighted, through)
-            )
-            near = jnp.stack(stresslet_matrix(linear, along, through, d, weighted))
-            alone = jnp.stack([free * d[i] * d[j] for i, j in SYMMETRIC])
-            scale = 1.0 / (8.0 * math.pi)
-            error = -0.5 * jnp.array([float(i == j) for i, j in SYMMETRIC])[:, None, None]
-            error = error - scale * jnp.sum(alone, axis=(-2, -1))
-            at_target = jnp.einsum("sca,k->scak", error, self._at_pole())
-            moments = scale * self.tables.moments(near) + at_target
-            smooth = scale * self.low_tables.moments(alone - near)
-            # Degrees do not mix in a rotation.
-            low = rotation[: smooth.shape[-1], : smooth.shape[-1]]
-            return (
-                unshift_longitude(moments @ rotation, longitudes),
-                unshift_longitude(smooth @ low, longitudes),
-            )
 
-        by_ring = jax.lax.map(of_ring, (self.rotations, jnp.moveaxis(targets, 1, 0)))
-        near, smooth = (jnp.transpose(each, (2, 0, 3, 1, 4)) for each in by_ring)
-        return near, smooth
+@jax.custom_jvp
+def own_velocity(
+    rule: OwnSurfaceRule,
+    targets: Float[Array, "cell ring azimuth 3"],
+    longitudes: Float[Array, " azimuth"],
+    shapes: JaxShapes,
+    forces: JaxShapes,
+) -> Float[Array, "cell ring azimuth 3"]:
+    """int G_near F dOmega over each target's own cell, by a compiled loop where there is one.
 
-    def _at_pole(self) -> Float[Array, " coefficient"]:
-        """Harmonics at the pole: those of order 0, where they are sqrt((2 n + 1)/(4 pi))."""
-        n = np.arange(degree_of(self.rotations))
-        values = np.zeros(n.size**2)
-        values[n * n + n] = np.sqrt((2 * n + 1) / (4.0 * np.pi))
-        return jnp.asarray(values)
+    Derivatives are those of the formula.
+    """
+    return compiled_or_plain(_own_loop, _own_formula, rule, targets, longitudes, shapes, forces)
+
+
+@own_velocity.defjvp
+def _own_velocity_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    rule, *inputs = primals
+    formula = partial(_own_formula, rule)
+    _, moved = jax.jvp(formula, tuple(inputs), tuple(tangents[1:]))
+    return own_velocity(rule, *inputs), moved
+
+
+def _own_loop(
+    rule: OwnSurfaceRule, targets: Array, longitudes: Array, shapes: JaxShapes, forces: JaxShapes
+) -> Array:
+    both = jnp.concatenate([shapes, forces], axis=1)
+    tables = (rule.rotations, rule.tables.latitude, rule.tables.longitude, rule.weights)
+    given = (targets, both, longitudes, *tables, jnp.asarray(rule.parameter))
+    return loop(OWN_FORCES, targets.shape, *given)
+
+
+def _own_formula(
+    rule: OwnSurfaceRule, targets: Array, longitudes: Array, shapes: JaxShapes, forces: JaxShapes
+) -> Array:
+    """What `own_velocity` computes."""
+    shifted = shift_longitude(jnp.concatenate([shapes, forces], axis=1), longitudes)
+
+    def of_ring(ring: tuple[Array, Array]) -> Float[Array, "cell azimuth 3"]:
+        rotation, points = ring
+        turned = jnp.einsum("kl,acil->icak", rotation, shifted)
+        return force_sums(rule.parameter, points, rule.tables.values(turned), rule.weights)
+
+    by_ring = jax.lax.map(of_ring, (rule.rotations, jnp.moveaxis(targets, 1, 0)))
+    return jnp.moveaxis(by_ring, 0, 1)
+
+
+@jax.custom_jvp
+def own_double_layer(
+    rule: OwnSurfaceRule,
+    targets: Float[Array, "cell ring azimuth 3"],
+    longitudes: Float[Array, " azimuth"],
+    shapes: JaxShapes,
+) -> tuple[Kernel, SmoothKernel]:
+    """See `OwnSurfaceRule.double_layer`; by a compiled loop where there is one.
+
+    Derivatives are those of the formula.
+    """
+    size, low = shapes.shape[-1], rule.low_tables.latitude.shape[-1]
+
+    def compiled(*given: Any) -> Array:
+        return _double_layer_loop(*given)
+
+    def plain(*given: Any) -> Array:
+        return jnp.concatenate(_double_layer_formula(*given), axis=-1)
+
+    both = compiled_or_plain(compiled, plain, rule, targets, longitudes, shapes)
+    return both[..., :size], both[..., size : size + low * low]
+
+
+@own_double_layer.defjvp
+def _own_double_layer_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    rule, *inputs = primals
+    formula = partial(_double_layer_formula, rule)
+    return jax.jvp(formula, tuple(inputs), tuple(tangents[1:]))
+
+
+def _double_layer_loop(
+    rule: OwnSurfaceRule, targets: Array, longitudes: Array, shapes: JaxShapes
+) -> Array:
+    tables, low = rule.tables, rule.low_tables.latitude.shape[-1]
+    by_order = (tables.latitude, tables.latitude_slope, tables.longitude, tables.longitude_slope)
+    sizes = jnp.array([rule.parameter, low])
+    given = (targets, shapes, longitudes, rule.rotations, *by_order, rule.weights)
+    shape = (*targets.shape[:3], len(SYMMETRIC), shapes.shape[-1] + low * low)
+    return loop(OWN_DOUBLE_LAYER, shape, *given, tables.inverse_sine, sizes)
+
+
+def _double_layer_formula(
+    rule: OwnSurfaceRule, targets: Array, longitudes: Array, shapes: JaxShapes
+) -> tuple[Kernel, SmoothKernel]:
+    """What `own_double_layer` computes."""
+    shifted = shift_longitude(shapes, longitudes)
+
+    def of_ring(ring: tuple[Array, Array]) -> tuple[Array, Array]:
+        rotation, points = ring
+        turned = jnp.einsum("kl,acil->icak", rotation, shifted)
+        values, down, round_ = rule.tables.with_tangents(turned)
+        d = [points[..., i, None, None] - values[i] for i in range(3)]
+        weighted = [each * rule.weights for each in cross(list(down), list(round_))]
+        square, through = squared(d), dot(d, weighted)
+        linear, cubic = near_stress_scalars(square, rule.parameter)
+        # Signs of T(y - x) = -T(x - y).
+        free = -free_stresslet(square, jax.lax.rsqrt(square)) * through
+        # Or XLA computes them anew for each of the six components.
+        linear, along, free, d, weighted, through = jax.lax.optimization_barrier(
+            (linear, cubic * through, free, d, weighted, through)
+        )
+        near = jnp.stack(stresslet_matrix(linear, along, through, d, weighted))
+        alone = jnp.stack([free * d[i] * d[j] for i, j in SYMMETRIC])
+        scale = 1.0 / (8.0 * math.pi)
+        error = -0.5 * jnp.array([float(i == j) for i, j in SYMMETRIC])[:, None, None]
+        error = error - scale * jnp.sum(alone, axis=(-2, -1))
+        at_target = jnp.einsum("sca,k->scak", error, _at_pole(rule))
+        moments = scale * rule.tables.moments(near) + at_target
+        smooth = scale * rule.low_tables.moments(alone - near)
+        # Degrees do not mix in a rotation.
+        low = rotation[: smooth.shape[-1], : smooth.shape[-1]]
+        return (
+            unshift_longitude(moments @ rotation, longitudes),
+            unshift_longitude(smooth @ low, longitudes),
+        )
+
+    by_ring = jax.lax.map(of_ring, (rule.rotations, jnp.moveaxis(targets, 1, 0)))
+    near, smooth = (jnp.transpose(each, (2, 0, 3, 1, 4)) for each in by_ring)
+    return near, smooth
+
+
+def _at_pole(rule: OwnSurfaceRule) -> Float[Array, " coefficient"]:
+    """Harmonics at the pole: those of order 0, where they are sqrt((2 n + 1)/(4 pi))."""
+    n = np.arange(degree_of(rule.rotations))
+    values = np.zeros(n.size**2)
+    values[n * n + n] = np.sqrt((2 * n + 1) / (4.0 * np.pi))
+    return jnp.asarray(values)
 
 
 def own_surface_rule(

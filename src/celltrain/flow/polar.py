@@ -70,7 +70,7 @@ class _Nodes(eqx.Module):
     around: list[Array]
 
     @property
-    def normal(self) -> list[Array]:
+    def normal(self) -> Vector:
         return cross(self.down, self.around)
 
 
@@ -213,7 +213,7 @@ def _density_kernel(rule: PolarRule, d: Vector, normal: Vector) -> list[Array]:
     scalars = near_stress_scalars(squared(d), rule.parameter)
     linear, cubic = _weighted(rule.areas, scalars)
     through = dot(d, normal)
-    return stresslet_matrix(linear, cubic * through, through, d, normal)
+    return list(stresslet_matrix(linear, cubic * through, through, d, normal))
 
 
 def _force_slopes(rule: PolarRule, d: Vector, force: Vector) -> list[Array]:

@@ -1,0 +1,210 @@
+"""Harmonics at the nodes about some targets at a time, in compiled loops.
+
+Each target is a lane of every vector, so that what is computed for these targets stays in the
+processor's cache. A rotation mixes neither degrees nor cosines with sines, and nodes come in pairs
+of opposite azimuth: the tables are those of `harmonics.polar`, arranged for this.
+"""
+
+import math
+from typing import Any
+
+from numba import njit
+
+from celltrain.compiled.near_loops import FAST
+
+#: Numbers side by side: targets times components.
+LANES = 96
+
+
+@njit(fastmath=FAST, error_model="numpy")
+def shift(coefficients: Any, turns: Any, first: int, degree: int, shifted: Any) -> None:
+    """Coefficients [cell, channel, k] with each target's longitude brought to 0, [k, lane].
+
+    **Arguments:** `turns`: [longitude, cosine or sine, order]; `first`: number of the first target.
+    """
+    channels, longitudes = coefficients.shape[1], turns.shape[0]
+    targets = LANES // channels
+    last = coefficients.shape[0] * longitudes - 1
+    for lane in range(targets):
+        cell, place = divmod(min(first + lane, last), longitudes)
+        for m in range(degree):
+            cosine, sine = turns[place, 0, m], turns[place, 1, m]
+            for n in range(m, degree):
+                even, odd = n * n + n + m, n * n + n - m
+                for channel in range(channels):
+                    one, other = (
+                        coefficients[cell, channel, even],
+                        coefficients[cell, channel, odd],
+                    )
+                    shifted[even, channel * targets + lane] = cosine * one + sine * other
+                    if m > 0:
+                        shifted[odd, channel * targets + lane] = cosine * other - sine * one
+
+
+@njit(fastmath=FAST, error_model="numpy")
+def rotate(rotation: Any, shifted: Any, degree: int, rotated: Any) -> None:
+    """Coefficients [k, lane] in the frame of a ring, [cosine or sine, order, n, lane]."""
+    for n in range(degree):
+        middle = n * n + n
+        for m in range(n + 1):
+            for side in range(2 if m > 0 else 1):
+                row = rotation[middle - m if side else middle + m]
+                sums = rotated[side, m, n]
+                sums[:] = 0.0
+                for k in range(side, n + 1):
+                    column = middle - k if side else middle + k
+                    amount = row[column]
+                    for i in range(LANES):
+                        sums[i] += amount * shifted[column, i]
+
+
+@njit(fastmath=FAST, error_model="numpy")
+def sums_over_degrees(rotated: Any, latitude: Any, sums: Any) -> None:
+    """Sums over n at two polar angles, [angle, side, order, lane]; latitude: [angle, order, n]."""
+    degrees = rotated.shape[2]
+    sums[:] = 0.0
+    for side in range(2):
+        for m in range(side, degrees):
+            rows, one, other = rotated[side, m], sums[0, side, m], sums[1, side, m]
+            for n in range(m // 4 * 4, degrees, 4):
+                a, b = latitude[0, m, n], latitude[0, m, n + 1]
+                c, d = latitude[0, m, n + 2], latitude[0, m, n + 3]
+                e, f = latitude[1, m, n], latitude[1, m, n + 1]
+                g, h = latitude[1, m, n + 2], latitude[1, m, n + 3]
+                for i in range(LANES):
+                    p, q, r, s = rows[n, i], rows[n + 1, i], rows[n + 2, i], rows[n + 3, i]
+                    one[i] += a * p + b * q + c * r + d * s
+                    other[i] += e * p + f * q + g * r + h * s
+
+
+@njit(fastmath=FAST, error_model="numpy")
+def parts_at_azimuths(by_order: Any, longitude: Any, first: Any, second: Any) -> None:
+    """What is even and odd in the azimuth, [side, lane], at a first and a second azimuth.
+
+    **Arguments:** `by_order`: [side, order, lane]; `longitude`: [azimuth, side, order].
+    """
+    first[:] = 0.0
+    second[:] = 0.0
+    for side in range(2):
+        rows, one, other = by_order[side], first[side], second[side]
+        for m in range(0, rows.shape[0], 4):
+            a, b = longitude[0, side, m], longitude[0, side, m + 1]
+            c, d = longitude[0, side, m + 2], longitude[0, side, m + 3]
+            e, f = longitude[1, side, m], longitude[1, side, m + 1]
+            g, h = longitude[1, side, m + 2], longitude[1, side, m + 3]
+            for i in range(LANES):
+                p, q, r, s = rows[m, i], rows[m + 1, i], rows[m + 2, i], rows[m + 3, i]
+                one[i] += a * p + b * q + c * r + d * s
+                other[i] += e * p + f * q + g * r + h * s
+
+
+@njit(error_model="numpy")
+def arrange_tables(
+    by_order: Any, around: Any, angles: Any, latitude: Any, longitude: Any, turns: Any
+) -> None:
+    """Arrange the tables, given by order from the lowest: what is left out of them stays zero.
+
+    **Arguments:** `latitude`: [radial, order, n]; `longitude`: [azimuth, side, order]; `turns`:
+    [longitude, side, order].
+    """
+    _, radial, degree = by_order.shape
+    for m in range(degree):
+        for r in range(radial):
+            for n in range(m, degree):
+                latitude[r, m, n] = by_order[degree - 1 + m, r, n]
+        for a in range(around.shape[1]):
+            longitude[a, 0, m] = around[degree - 1 + m, a]
+            if m > 0:
+                longitude[a, 1, m] = around[degree - 1 - m, a]
+        for place in range(angles.size):
+            turns[place, 0, m] = math.cos(m * angles[place])
+            turns[place, 1, m] = math.sin(m * angles[place])
+
+
+@njit(error_model="numpy")
+def pair_weights(given: Any, weights: Any) -> None:
+    """Weights [radial, azimuth, side] of opposite nodes; one that is its own counts once."""
+    radial, azimuths = given.shape
+    for r in range(radial):
+        for a in range((azimuths + 1) // 2):
+            weights[r, a, 0] = given[r, a]
+            if azimuths - 1 - a > a:
+                weights[r, a, 1] = given[r, azimuths - 1 - a]
+
+
+@njit(fastmath=FAST, error_model="numpy")
+def sums_over_azimuths(parts: Any, longitude: Any, sums: Any) -> None:
+    """Even and odd parts at pairs of nodes times the tables, [side, order, lane].
+
+    **Arguments:** `parts`: [azimuth, side, lane], a multiple of four azimuths.
+    """
+    sums[:] = 0.0
+    for side in range(2):
+        for m in range(side, sums.shape[1]):
+            into = sums[side, m]
+            for n in range(0, parts.shape[0], 4):
+                a, b = longitude[n, side, m], longitude[n + 1, side, m]
+                c, d = longitude[n + 2, side, m], longitude[n + 3, side, m]
+                p, q, r, s = (
+                    parts[n, side],
+                    parts[n + 1, side],
+                    parts[n + 2, side],
+                    parts[n + 3, side],
+                )
+                for i in range(2 * LANES):
+                    into[i] += a * p[i] + b * q[i] + c * r[i] + d * s[i]
+
+
+@njit(fastmath=FAST, error_model="numpy")
+def add_moments(by_order: Any, latitude: Any, moments: Any) -> None:
+    """Add what two polar angles give to moments [side, order, n, lane].
+
+    **Arguments:** `by_order`: [angle, side, order, lane]; `latitude`: [angle, order, n].
+    """
+    _, degrees, _, _ = moments.shape
+    for side in range(2):
+        for m in range(side, degrees):
+            one, other = by_order[0, side, m], by_order[1, side, m]
+            for n in range(m, degrees):
+                a, b, into = latitude[0, m, n], latitude[1, m, n], moments[side, m, n]
+                for i in range(2 * LANES):
+                    into[i] += a * one[i] + b * other[i]
+
+
+@njit(fastmath=FAST, error_model="numpy")
+def rotate_back(rotation: Any, moments: Any, rotated: Any) -> None:
+    """Moments [side, order, n, lane] in the frame of a ring in that of the shape, [k, lane]."""
+    degree = moments.shape[1]
+    for n in range(degree):
+        middle = n * n + n
+        for m in range(n + 1):
+            for side in range(2 if m > 0 else 1):
+                column = middle - m if side else middle + m
+                sums = rotated[column]
+                sums[:] = 0.0
+                for k in range(side, n + 1):
+                    amount = rotation[middle - k if side else middle + k, column]
+                    given = moments[side, k, n]
+                    for i in range(2 * LANES):
+                        sums[i] += amount * given[i]
+
+
+@njit(fastmath=FAST, error_model="numpy")
+def shift_back(rotated: Any, turn: Any, lane: int, first: int, found: Any) -> None:
+    """Moments [k, lane] of one target as those of the shape as it lies, [component, first + k].
+
+    **Arguments:** `turn`: [cosine or sine, order] of the target's longitude.
+    """
+    components = found.shape[0]
+    targets = rotated.shape[1] // components
+    for m in range(turn.shape[1]):
+        cosine, sine = turn[0, m], turn[1, m]
+        for n in range(m, turn.shape[1]):
+            even, odd = n * n + n + m, n * n + n - m
+            if even >= rotated.shape[0]:
+                break
+            for i in range(components):
+                one, other = rotated[even, i * targets + lane], rotated[odd, i * targets + lane]
+                found[i, first + even] = cosine * one - sine * other
+                if m > 0:
+                    found[i, first + odd] = cosine * other + sine * one
