@@ -16,7 +16,8 @@ from measuring import Work, run_stage
 
 from celltrain import Train, steady
 from celltrain.flow import Sources
-from celltrain.train import CellsOperator, place_cells, resting_shapes, train_operator
+from celltrain.membrane import place_cells
+from celltrain.train import CellsOperator, resting_shapes, train_operator
 
 TRAIN = Train(diameter=6, packing=0.2, cells=8, degree=12)
 # Size of the disturbance (r0) that makes the shapes of the train different from each other.

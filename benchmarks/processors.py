@@ -26,7 +26,8 @@ from rich.table import Table
 from celltrain import Train, steady
 from celltrain.compiled import dispatch
 from celltrain.flow import nonuniform
-from celltrain.train import place_cells, train_operator
+from celltrain.membrane import place_cells
+from celltrain.train import train_operator
 
 LOOPS, BUILT = dispatch.LOOPS_SERVE, nonuniform.BUILT
 TRAIN = Train(diameter=6, packing=0.2, cells=8, degree=12)

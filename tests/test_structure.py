@@ -1,6 +1,7 @@
 """Rooms of the package stand in the order in which data pass them; imports point one way."""
 
 import ast
+import importlib
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 import celltrain
 
 SOURCE = Path(celltrain.__file__).parent
+ROOT = Path(__file__).resolve().parent.parent
 #: Each may import those before it.
 ROOMS = (
     "xla_flags",
@@ -154,3 +156,21 @@ def test_what_is_public_says_what_it_is() -> None:
         tree = ast.parse(path.read_text())
         assert ast.get_docstring(tree), path
         look(tree, path)
+
+
+SCRIPTS = sorted(
+    path
+    for folder in ("validation", "benchmarks", "examples", "docs/extensions", "docs/images")
+    for path in (ROOT / folder).glob("*.py")
+)
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_what_scripts_take_from_the_package_is_there(path: Path) -> None:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if not isinstance(node, ast.ImportFrom) or not (node.module or "").startswith("celltrain"):
+            continue
+        module = importlib.import_module(str(node.module))
+        for each in node.names:
+            if not hasattr(module, each.name):
+                importlib.import_module(f"{node.module}.{each.name}")

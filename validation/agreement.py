@@ -14,10 +14,10 @@ from page import FOLDER, Page
 
 from celltrain import Base, Train, steady
 from celltrain.harmonics import azimuthal_basis, coefficients_of
+from celltrain.membrane import place_cells
 from celltrain.meridian.rules import Rules, choose_rules
 from celltrain.stability import linear_blocks
 from celltrain.steady.problem import SteadyProblem
-from celltrain.train import place_cells
 from celltrain.train.full_matrix import ExactDerivative, matrix_operator
 
 CELLS, DEGREE = 2, 6
