@@ -236,9 +236,9 @@ def _speeds(data: xr.Dataset) -> str:
     highest = max(trains.NUMBERS)
     return f"""
 With the speed, at packing {packing:g}: {"; ".join(words)}. In units of the flow a membrane grows
-faster the weaker the flow; per second the folds of a narrow tube at the two lower speeds differ by
-less than a factor of two: what drives them is the membrane's own tension. Where m = {highest}
-leads, the highest that was looked at, still higher ones may be faster. In tubes below
+faster the weaker the flow; per second the folds at D = 1.6 and 2 at the two lower speeds differ by
+less than a factor of two, those at D = 2.5 grow at the lowest alone. Where m = {highest} leads, the
+highest that was looked at, still higher ones may be faster. In tubes below
 {max(case[3] for case in trains.MAP_CASES):g} r0 the fastest flow was not computed.
 """
 

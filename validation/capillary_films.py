@@ -167,8 +167,7 @@ theory on the computed shapes:
         f"""
 The film goes by powers of {min(films):.2f} to {max(films):.2f} of the speed, mu_eff - 1 by
 {min(drops):+.2f} to {max(drops):+.2f}, and the pressure drop by one more. A power of 2/3, that of a
-film under a given tension, is reached nowhere: also at the lowest speed the film is a part of the
-tube's radius that is not small, and the cell has the shape that the flow gives it.
+film under a given tension, is reached nowhere in this range.
 """
     )
 

@@ -56,7 +56,7 @@ class Resolution(Section):
         ge=0,
         le=1,
         description="how much the points of a cell are drawn together about its rear rim and its"
-        " nose, for narrow tubes, where a degree reaches further with 1 than with 0",
+        " nose, for narrow tubes, where a degree leaves somewhat less out with 1 than with 0",
     )
     energy_order: Whole | None = Field(
         default=None,
