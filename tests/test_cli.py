@@ -123,7 +123,7 @@ def test_case_is_a_complete_case_file(tmp_path, capsys):
 def test_a_case_need_not_have_a_degree(tmp_path, capsys):
     assert main(["case", *CASE]) == 0
     text = capsys.readouterr().out
-    assert set(tomllib.loads(text)["resolution"]) == {"near_cutoff", "tolerance"}
+    assert set(tomllib.loads(text)["resolution"]) == {"grading", "near_cutoff", "tolerance"}
     path = tmp_path / "case.toml"
     path.write_text(text)
     assert main(["case", str(path), "--degree", "16"]) == 0

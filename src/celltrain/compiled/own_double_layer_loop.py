@@ -43,6 +43,7 @@ from celltrain.compiled.polar_lanes import (
     sums_over_azimuths,
     sums_over_degrees,
 )
+from celltrain.harmonics import UNIT_DISPLACEMENT
 
 #: Name under which XLA finds the loop.
 OWN_DOUBLE_LAYER = "celltrain_own_double_layer"
@@ -121,7 +122,8 @@ def _pair(parts: Any, areas: Any, points: Any, xi: float, near: Any, lacking: An
 @njit(error_model="numpy")
 def _take_from_target(near: Any, lacking: Any) -> None:
     """Subtract the rule's error for a constant, -1/2 in free space, at the target itself."""
-    degree, mean = near.shape[1], math.sqrt(4.0 * math.pi)
+    # The coefficient of the constant 1 is that of a displacement by one.
+    degree, mean = near.shape[1], UNIT_DISPLACEMENT
     for component in range(_COMPONENTS):
         exact = -0.5 if component in (0, 3, 5) else 0.0
         for i in range(component * _TARGETS, (component + 1) * _TARGETS):
