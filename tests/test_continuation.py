@@ -24,6 +24,7 @@ from celltrain.continuation import (
     trace_curve,
 )
 from celltrain.contract import load
+from celltrain.results import save
 from celltrain.steady.parameters import parameter_value
 
 STEPS = Steps(first=0.1, largest=0.2, tolerance=1e-10)
@@ -135,6 +136,26 @@ def test_what_was_found_of_a_branch_is_kept(single: Base) -> None:
     assert seen[1].value < seen[0].value == 0.3
     one = branch(single, "packing", to=0.28, steps=Steps(first=0.02), most_points=1)
     assert one.ending.kind == "enough"
+
+
+def test_what_was_found_is_in_the_file_of_an_interrupted_command(
+    single: Base, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+
+    def log(self: object, message: str) -> None:
+        said.append(message)
+        if sum(each.startswith("packing = ") for each in said) == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("celltrain.cli.progress.Reporter.log", log)
+    start, path = save(single, tmp_path / "single.nc"), tmp_path / "branch.nc"
+    words = ["--start", str(start), "--along", "packing", "--to", "0.28", "-o", str(path)]
+    assert main(["branch", *words, "--quiet"]) == 130
+    kept = load(path)
+    assert isinstance(kept, Branch)
+    assert kept.ending.kind == "interrupted"
+    assert len(kept.points) == 2
 
 
 def test_branches_that_are_refused(single: Base) -> None:

@@ -16,8 +16,10 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
-from celltrain import Base, CaseError, Stability, load, save
+from celltrain import Base, CaseError, Stability, Train, load, save
+from celltrain.analyses import simulation
 from celltrain.cli import main
+from celltrain.contract.status import ComputationFailed
 from celltrain.diagnostics import FRAME_QUANTITIES, disturbance_amplitude, frame
 from celltrain.evolution import (
     ForwardEuler,
@@ -409,6 +411,27 @@ def test_exit_statuses_of_the_command(
     assert "interrupted" in message
     assert str(path) in message
     assert Run.load(path).steps == 1
+
+
+@pytest.mark.parametrize(("source", "degree"), [("case", 8), ("start", 12)])
+def test_the_degree_is_that_of_the_case_and_not_of_a_result(
+    source: str, degree: int, coarse_stability, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case, start = tmp_path / "case.toml", tmp_path / "start.nc"
+    train = coarse_stability.base.train
+    case.write_text(train.changed(degree=8).to_toml())
+    save(coarse_stability, start)
+    seen: list[int] = []
+
+    def computed(self, train: Train, *_: object) -> None:
+        seen.append(simulation._at_own_degree(train).degree)
+        raise ComputationFailed("this is enough")
+
+    monkeypatch.setattr(simulation.Simulation, "compute_into", computed)
+    words = [str(case), "--start", str(start)] if source == "case" else [str(start)]
+    options = ["--until", "1", "-o", str(tmp_path / "run.nc"), "--quiet"]
+    assert main(["evolve", *words, *options, "--disturbance", "random"]) == 3
+    assert seen == [degree]
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,15 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Base, NotConverged, Train, steady
+from celltrain.harmonics import Profile
 from celltrain.meridian.geometry import largest_radius, meridian_points
 from celltrain.proximity.meridian import streamwise_gap
-from celltrain.steady import Iteration
+from celltrain.steady import Iteration, path, ways
 from celltrain.steady.degree import DEGREES
+from celltrain.steady.iterate import Iterated
 from celltrain.steady.path import change_degree
 from celltrain.steady.problem import SteadyProblem
+from celltrain.steady.solve import at_degree
 
 
 def test_steady_train_is_steady(coarse_base: Base) -> None:
@@ -123,3 +126,30 @@ def test_what_was_tried_is_said() -> None:
     with pytest.raises(NotConverged, match=r"tried: march .*, up to ") as failure:
         steady(train, max_iterations=40)
     assert "wanted 1e-09 U" in str(failure.value)
+
+
+def test_no_way_is_tried_twice(coarse_base: Base, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At another degree: Newton's method, and the march where it fails; then not from rest."""
+    tried: list[str] = []
+
+    def newton(problem: SteadyProblem, profile: Profile, **_: object) -> Iterated:
+        tried.append(f"Newton at degree {problem.degree}")
+        return Iterated(problem.state(profile), (), "step")
+
+    def march(problem: SteadyProblem, profile: Profile, **how: object) -> Iterated:
+        tried.append(f"march at degree {problem.degree}, after Newton: {how['newton_failed']}")
+        return Iterated(problem.state(profile), (), "step")
+
+    monkeypatch.setattr(ways, "newton", newton)
+    monkeypatch.setattr(ways, "march", march)
+    higher = coarse_base.train.degree + 1
+    with pytest.raises(NotConverged):
+        at_degree(coarse_base, higher)
+    once = [f"Newton at degree {higher}", f"march at degree {higher}, after Newton: True"]
+    assert tried == once
+    # What users ask for is sought from rest after all, where that is another way.
+    monkeypatch.setattr(path, "newton", newton)
+    tried.clear()
+    with pytest.raises(NotConverged):
+        steady(coarse_base.train.changed(packing=0.25), start=coarse_base)
+    assert any("after Newton: False" in each for each in tried)

@@ -69,7 +69,7 @@ def run(request: Request, leaves: Mapping[str, object], analysis: Analysis[Recor
     keeper = Keeper(errors, quiet=request.quiet)
     print_result(result, keeper, as_json=request.json)
     status, remark = analysis.status(result), analysis.remark(result, request.output)
-    if status == ExitStatus.INTERRUPTED:
+    if meanwhile and status == ExitStatus.INTERRUPTED:
         raise KeyboardInterrupt(remark)
     if remark:
         errors.print(remark, markup=False, highlight=False, soft_wrap=True)
@@ -95,8 +95,9 @@ def _checked(
     start = None if known is None else presentation(known.kind).steady_train(known)
     if units == "SI":
         analysis = analysis.dimensionless(train.scales)
-    if isinstance(analysis, WrittenMeanwhile) and start is not None and "degree" not in leaves:
-        # A file's degree is that of its own computation.
+    of_result = request.case is None or request.case.suffix.lower() == ".nc"
+    if isinstance(analysis, WrittenMeanwhile) and of_result and "degree" not in leaves:
+        # The degree in a result's file is that of its own computation.
         train = train.changed(degree=None)
     analysis.check(train)
 

@@ -144,13 +144,10 @@ def own_double_layer(
     """
     size, low = shapes.shape[-1], rule.low_tables.latitude.shape[-1]
 
-    def compiled(*given: Any) -> Array:
-        return _double_layer_loop(*given)
-
     def plain(*given: Any) -> Array:
         return jnp.concatenate(_double_layer_formula(*given), axis=-1)
 
-    both = compiled_or_plain(compiled, plain, rule, targets, longitudes, shapes)
+    both = compiled_or_plain(_double_layer_loop, plain, rule, targets, longitudes, shapes)
     return both[..., :size], both[..., size : size + low * low]
 
 

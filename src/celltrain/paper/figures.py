@@ -109,9 +109,6 @@ def draw_transient_map(data: Resolutions, path: Path) -> Path:
     return _draw(eta, np.arange(10.0, 101.0, 6.0), CONTOURS, r"$\eta\, r_0/U^*$", path)
 
 
-#: Color of the contours at the other resolution.
-
-
 def _draw(
     maps: dict[str, xr.DataArray],
     levels: np.ndarray,
