@@ -138,3 +138,25 @@ def test_own_double_layer(degree: int, azimuthal: int, radial: int) -> None:
         assert found.shape == expected.shape
         assert np.abs(expected).max() > 0.1
         assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+
+
+def test_derivatives_on_the_own_surface() -> None:
+    random = np.random.default_rng(9)
+    rule = own_surface_rule(3, np.array([0.4, 2.0]), radial=4, azimuthal=6, parameter=XI)
+    longitudes = jnp.asarray([0.0, 1.0, 4.0])
+    sizes = (2, 2, 3, 3), (2, 3, 9), (2, 3, 9)
+    given, moved = ([jnp.asarray(random.normal(size=each)) for each in sizes] for _ in range(2))
+
+    def both(step: float | jax.Array) -> tuple[jax.Array, ...]:
+        targets, shapes, forces = (a + step * b for a, b in zip(given, moved, strict=True))
+        velocity = own_velocity(rule, targets, longitudes, shapes, forces)
+        return velocity, *own_double_layer(rule, targets, longitudes, shapes)
+
+    # Several at once, as for a matrix.
+    scaled = jax.jit(jax.vmap(lambda by: jax.jvp(both, (0.0,), (by,))[1]))(jnp.array([1.0, -2.0]))
+    step = 1e-5
+    differences = zip(both(step), both(-step), strict=True)
+    for found, (above, below) in zip(scaled, differences, strict=True):
+        expected = (above - below) / (2 * step)
+        assert_allclose(found[0], expected, rtol=0, atol=1e-6 * np.abs(expected).max())
+        assert_allclose(found[1], -2.0 * found[0], rtol=0, atol=1e-12 * np.abs(expected).max())

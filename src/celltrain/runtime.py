@@ -16,7 +16,10 @@ import os
 from typing import Any
 
 import jax
+import numpy as np
 from jax_finufft.options import Opts
+from jaxtyping import Array
+from numpy.typing import ArrayLike
 
 from celltrain.clock import compilation
 from celltrain.environment import JAX_CAME_FIRST, PROGRAMS, UnsuitableSetting
@@ -59,6 +62,14 @@ def check_jax() -> None:
             f"JAX_PLATFORMS = {platforms!r} is not allowed here ({str(error).splitlines()[0]});"
             " allowed: cpu, or none given"
         ) from None
+
+
+def constant(values: ArrayLike) -> Array:
+    """Floats or integers as an array of JAX; `values` must not be changed afterwards.
+
+    `jnp.asarray` compiles a program for every shape, which takes longer than making the tables.
+    """
+    return jax.device_put(np.asarray(values))
 
 
 _configure()

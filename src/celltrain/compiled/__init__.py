@@ -7,14 +7,12 @@ these serve, and plain formulas for JAX everywhere else (`dispatch`).
 from celltrain.compiled.call_frame import LOOPS_SERVE
 from celltrain.compiled.dispatch import compiled_or_plain, loop
 from celltrain.compiled.near_loops import FORCE_PAIRS, NODE_FORCES, STRESSLET_PAIRS
-from celltrain.compiled.own_double_layer_loop import OWN_DOUBLE_LAYER
 from celltrain.compiled.own_surface_loops import OWN_FORCES
 
 __all__ = [
     "FORCE_PAIRS",
     "LOOPS_SERVE",
     "NODE_FORCES",
-    "OWN_DOUBLE_LAYER",
     "OWN_FORCES",
     "STRESSLET_PAIRS",
     "compiled_or_plain",

@@ -5,13 +5,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from celltrain.evolution.checks import check_positive
-from celltrain.evolution.dynamics import Dynamics
+from celltrain.evolution.dynamics import Dynamics, cell_volumes
 from celltrain.evolution.ending import StepFailed
 from celltrain.evolution.films.forces import film_forces
 from celltrain.evolution.films.repulsion import Repulsion
@@ -22,6 +21,7 @@ from celltrain.evolution.wall_resolution import LARGEST, followed
 from celltrain.harmonics import Shapes, displaced
 from celltrain.membrane import resting_shape
 from celltrain.parameters import CaseError, Cell, Resolution
+from celltrain.runtime import constant
 from celltrain.stability import paper_weights
 from celltrain.surroundings import Surroundings
 from celltrain.train import CellsOperator, cells_operator
@@ -91,11 +91,11 @@ class CellsInFlow:
         operator = self.operator(close=not alone, wall_gap=wall_gap)
         return Dynamics(
             operator=operator,
-            base=jnp.asarray(shapes),
-            weights=jnp.asarray(paper_weights(degree)),
+            base=constant(shapes),
+            weights=constant(paper_weights(degree)),
             steady_rates=np.zeros_like(shapes),
             cell_velocity=0.0,
-            volumes=jax.vmap(operator.membrane.volume)(jnp.asarray(shapes)),
+            volumes=cell_volumes(operator, jnp.asarray(shapes)),
             surroundings=around,
             film_forces=film_forces(self.cell, self.resolution.sizes, around, self.repulsion),
             wall_gap=wall_gap,

@@ -24,6 +24,7 @@ from celltrain.laws import MomentBending
 from celltrain.membrane import place_cells
 from celltrain.membrane.geometry import surface_geometry
 from celltrain.proximity.overlaps import Overlap, overlaps
+from celltrain.runtime import constant
 from celltrain.stability import paper_weights
 from celltrain.steady import Base
 from celltrain.surroundings import Surroundings, train_tube
@@ -153,15 +154,23 @@ def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dyna
     shapes = place_cells(base.coefficients, train, train.cells)
     return Dynamics(
         operator=operator,
-        base=jnp.asarray(shapes),
-        weights=jnp.asarray(paper_weights(train.degree)),
+        base=constant(shapes),
+        weights=constant(paper_weights(train.degree)),
         steady_rates=_tube_rates(operator, shapes, np.zeros_like(shapes)),
         cell_velocity=base.cell_velocity,
-        volumes=jax.vmap(operator.membrane.volume)(jnp.asarray(shapes)),
+        volumes=cell_volumes(operator, jnp.asarray(shapes)),
         surroundings=tube,
         film_forces=film_forces(train.cell, train.sizes, tube, repulsion),
         wall_gap=wall_gap,
     )
+
+
+@eqx.filter_jit
+def cell_volumes(
+    operator: CellsOperator, shapes: Float[Array, "cell 3 coefficient"]
+) -> Float[Array, " cell"]:
+    """Volume of each cell, r0^3."""
+    return jax.vmap(operator.membrane.volume)(shapes)
 
 
 def _tube_rates(operator: CellsOperator, shapes: Shapes, forces: Shapes) -> Shapes:

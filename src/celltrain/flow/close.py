@@ -32,6 +32,7 @@ from celltrain.proximity.nearest import (
     NearestPointSearch,
     nearest_point_search,
 )
+from celltrain.runtime import constant
 
 CHUNK = 16
 UNIFORMITY = 8.0
@@ -174,10 +175,10 @@ def close_rule(
     return CloseRule(
         parameter=parameter,
         nearest=nearest_point_search(degree),
-        levels=jnp.asarray(levels),
-        tables=jax.tree.map(lambda *leaves: jnp.stack(leaves), *tables),
-        weights=jnp.asarray(np.stack(weights)),
-        areas=jnp.asarray(np.stack(areas)),
+        levels=constant(levels),
+        tables=jax.tree.map(lambda *leaves: constant(np.stack(leaves)), *tables),
+        weights=constant(np.stack(weights)),
+        areas=constant(np.stack(areas)),
     )
 
 

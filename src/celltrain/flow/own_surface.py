@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.compiled import OWN_DOUBLE_LAYER, OWN_FORCES, compiled_or_plain, loop
+from celltrain.compiled import OWN_FORCES, compiled_or_plain, loop
 from celltrain.compiled.kernels import (
     SYMMETRIC,
     cross,
@@ -31,6 +31,7 @@ from celltrain.harmonics import degree_of, polar_nodes
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.longitude import shift_longitude, unshift_longitude
 from celltrain.harmonics.polar import PolarTables, polar_rotation, polar_tables
+from celltrain.runtime import constant
 
 # Degrees that see the difference of the near kernel and that in free space: it is smooth.
 SMOOTH_DEGREE = 6
@@ -161,6 +162,9 @@ def _own_double_layer_jvp(primals, tangents):  # type: ignore[no-untyped-def]
 def _double_layer_loop(
     rule: OwnSurfaceRule, targets: Array, longitudes: Array, shapes: JaxShapes
 ) -> Array:
+    # Only where viscosities differ: what Numba has not kept takes it seconds to make.
+    from celltrain.compiled.own_double_layer_loop import OWN_DOUBLE_LAYER
+
     tables, low = rule.tables, rule.low_tables.latitude.shape[-1]
     by_order = (tables.latitude, tables.latitude_slope, tables.longitude, tables.longitude_slope)
     sizes = jnp.array([rule.parameter, low])
@@ -224,8 +228,8 @@ def own_surface_rule(
     alpha, beta, weights = polar_nodes(radial, azimuthal)
     return OwnSurfaceRule(
         parameter=parameter,
-        rotations=jnp.asarray(np.stack([polar_rotation(degree, float(each)) for each in theta])),
+        rotations=constant(np.stack([polar_rotation(degree, float(each)) for each in theta])),
         tables=polar_tables(degree, alpha, beta),
         low_tables=polar_tables(min(degree, SMOOTH_DEGREE), alpha, beta),
-        weights=jnp.asarray(weights),
+        weights=constant(weights),
     )

@@ -12,10 +12,12 @@ import math
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from celltrain.flow.ewald import EwaldSplit
 from celltrain.flow.nonuniform import Angles, modes_to_points, points_to_modes
+from celltrain.runtime import constant
 
 Points = Float[Array, "point 3"]
 Modes = Complex[Array, "part x y z"]
@@ -118,5 +120,5 @@ def transform(split: EwaldSplit, width: float, period: float, tolerance: float) 
         2 * math.ceil(split.largest_wave_number * length / (2.0 * math.pi)) + 1
         for length in (width, period)
     )
-    box = jnp.array([width, width, period], dtype=float)
+    box = constant(np.array([width, width, period], dtype=float))
     return Transform((across, across, along), tolerance, box)

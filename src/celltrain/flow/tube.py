@@ -29,6 +29,7 @@ from celltrain.flow.surrounding_flow import CloseTargetSets, SurroundingFlow
 from celltrain.flow.transform import Transform, transform
 from celltrain.flow.wall import TubeWall, tube_wall
 from celltrain.harmonics.jax_shapes import JaxShapes
+from celltrain.runtime import constant
 
 # Close pairs listed for each point of the wall, on average.
 WALL_SHARE = 0.5
@@ -165,7 +166,7 @@ def periodic_tube(
         near=CellSums(
             parameter=split.parameter,
             cutoff=split.cutoff,
-            period=jnp.asarray(period, dtype=float),
+            period=constant(float(period)),
             images=math.floor((cutoff + extent + period) / period),
             close=None if close is None else close(split.parameter),
             coarse_beyond=coarse_beyond,

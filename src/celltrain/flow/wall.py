@@ -24,6 +24,7 @@ from jaxtyping import Array, Complex, Float, Int
 from scipy.special import hyp0f1, ive
 
 from celltrain.flow.nonuniform import modes_to_points
+from celltrain.runtime import constant
 
 # Points across a strip along the tube.
 STRIP = 8
@@ -214,9 +215,9 @@ def tube_wall(radius: float, period: float, *, wall_gap: float, tolerance: float
     nodes = math.ceil(0.5 * math.sqrt(2.0 * steep * -math.log(tolerance))) + 8
     return TubeWall(
         tolerance=tolerance,
-        radius=jnp.asarray(radius, dtype=float),
-        period=jnp.asarray(period, dtype=float),
-        response=jnp.asarray(_responses(radius, period, orders, waves, nodes)),
+        radius=constant(float(radius)),
+        period=constant(float(period)),
+        response=constant(_responses(radius, period, orders, waves, nodes)),
     )
 
 

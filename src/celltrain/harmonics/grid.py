@@ -1,13 +1,12 @@
 """Quadrature on the unit sphere: product grids."""
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-import celltrain.runtime  # noqa: F401
 from celltrain.harmonics.basis import real_harmonics
 from celltrain.harmonics.nodes import gauss_colatitudes
+from celltrain.runtime import constant
 
 
 class SphereGrid(eqx.Module):
@@ -43,8 +42,8 @@ def sphere_grid(degree: int, order: int) -> SphereGrid:
     return SphereGrid(
         rings=order,
         azimuths=2 * order,
-        theta=jnp.asarray(theta),
-        phi=jnp.asarray(phi),
-        weights=jnp.asarray(np.repeat(gauss, 2 * order) * np.pi / order),
-        values=jnp.asarray(real_harmonics(degree, all_theta, all_phi)),
+        theta=constant(theta),
+        phi=constant(phi),
+        weights=constant(np.repeat(gauss, 2 * order) * np.pi / order),
+        values=constant(real_harmonics(degree, all_theta, all_phi)),
     )

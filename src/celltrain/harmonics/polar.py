@@ -14,10 +14,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-import celltrain.runtime  # noqa: F401
 from celltrain.harmonics.basis import degrees_and_orders, real_harmonics
 from celltrain.harmonics.legendre import legendre_tables
 from celltrain.harmonics.nodes import about_pole, gauss_colatitudes
+from celltrain.runtime import constant
 
 
 # Every operator of a degree needs the same few.
@@ -101,13 +101,13 @@ def polar_tables(
     turn = by_order[:, None] * beta
     sine = (orders < 0)[:, None]
     return PolarTables(
-        place=jnp.asarray(place),
-        back=jnp.asarray(back),
-        latitude=jnp.asarray(legendre.value[by_order].transpose(0, 2, 1)),
-        latitude_slope=jnp.asarray(legendre.slope[by_order].transpose(0, 2, 1)),
-        longitude=jnp.asarray(size * np.where(sine, np.sin(turn), np.cos(turn))),
-        longitude_slope=jnp.asarray(
+        place=constant(place),
+        back=constant(back),
+        latitude=constant(legendre.value[by_order].transpose(0, 2, 1)),
+        latitude_slope=constant(legendre.slope[by_order].transpose(0, 2, 1)),
+        longitude=constant(size * np.where(sine, np.sin(turn), np.cos(turn))),
+        longitude_slope=constant(
             size * by_order[:, None] * np.where(sine, np.cos(turn), -np.sin(turn))
         ),
-        inverse_sine=jnp.asarray(1.0 / np.sin(alpha)),
+        inverse_sine=constant(1.0 / np.sin(alpha)),
     )

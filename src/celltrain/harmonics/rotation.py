@@ -8,7 +8,6 @@ angles, traced ones and poles included, cost matrix products only, and nothing i
 """
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -16,6 +15,7 @@ from celltrain.harmonics.basis import degrees_and_orders, real_harmonics
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.longitude import turn_longitude
 from celltrain.harmonics.nodes import unit_vectors
+from celltrain.runtime import constant
 
 
 class PoleRotation(eqx.Module):
@@ -64,5 +64,6 @@ def pole_rotation(degree: int) -> PoleRotation:
     x, y, z = unit_vectors(theta, phi).T
     turned = real_harmonics(degree, np.arctan2(np.hypot(x, z), -y), np.arctan2(z, x))
     n, _ = degrees_and_orders(degree)
-    quarter = np.asarray(grid.projection) @ turned
-    return PoleRotation(jnp.asarray(np.where(n[:, None] == n, quarter, 0.0)))
+    projection = (np.asarray(grid.values) * np.asarray(grid.weights)[:, None]).T
+    quarter = projection @ turned
+    return PoleRotation(constant(np.where(n[:, None] == n, quarter, 0.0)))

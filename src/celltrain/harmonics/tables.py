@@ -1,13 +1,12 @@
 """The harmonics and their derivatives at fixed points, as matrices of JAX."""
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-import celltrain.runtime  # noqa: F401
 from celltrain.harmonics.basis import degrees_and_orders, longitude_factors
 from celltrain.harmonics.legendre import legendre_tables
+from celltrain.runtime import constant
 
 
 class HarmonicTables(eqx.Module):
@@ -40,4 +39,4 @@ def harmonic_tables(
         "d_theta_phi": slope * longitude_slope,
         "d_phi_phi": -((m * m)[:, None]) * value * longitude,
     }
-    return HarmonicTables(**{name: jnp.asarray(array.T) for name, array in columns.items()})
+    return HarmonicTables(**{name: constant(array.T) for name, array in columns.items()})

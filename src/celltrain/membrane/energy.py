@@ -36,6 +36,7 @@ from celltrain.membrane.density import (
     rest_geometry,
 )
 from celltrain.membrane.geometry import surface_forms, volume
+from celltrain.runtime import constant
 
 _Law = TypeVar("_Law", ConstitutiveLaw, BendingLaw)
 
@@ -155,7 +156,7 @@ def make_membrane(
         bending=_traceable(bending),
         tables=tables,
         weights=grid.weights,
-        inverse_sine=jnp.asarray(1.0 / np.sin(theta)),
+        inverse_sine=constant(1.0 / np.sin(theta)),
         reference=eqx.filter_jit(_rest_geometry)(tables, shape),
         reference_shape=shape,
     )
@@ -167,4 +168,4 @@ def _rest_geometry(tables: HarmonicTables, shape: JaxShape) -> RestGeometry:
 
 def _traceable(law: _Law) -> _Law:
     """With arrays for moduli."""
-    return jax.tree.map(lambda modulus: jnp.asarray(modulus, dtype=float), law)
+    return jax.tree.map(lambda modulus: constant(np.asarray(modulus, dtype=float)), law)

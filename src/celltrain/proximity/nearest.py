@@ -20,6 +20,7 @@ from jaxtyping import Array, Bool, Float, Int
 from celltrain.harmonics import Shapes, degrees_and_orders
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.rotation import PoleRotation, pole_rotation
+from celltrain.runtime import constant
 
 MAX_ITERATIONS = 30
 LONGEST_STEP = 0.3
@@ -235,4 +236,4 @@ def nearest_point_search(degree: int) -> NearestPointSearch:
             np.where(order == 0, level, np.where(order == 2, -twist, zero)),
         ]
     )
-    return NearestPointSearch(rotation, jnp.asarray(at_pole) @ rotation.quarter.T)
+    return NearestPointSearch(rotation, constant(at_pole @ np.asarray(rotation.quarter).T))

@@ -31,7 +31,7 @@ from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.membrane import cell_material, place_cells, resting_shape
 from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Cell, Resolution, Train
-from celltrain.runtime import check_jax
+from celltrain.runtime import check_jax, constant
 from celltrain.surroundings import FlowRules, Surroundings, train_tube
 from celltrain.train.gmres import Iterations
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
@@ -306,7 +306,7 @@ def cells_operator(
     def close_evaluation(parameter: float) -> CloseEvaluation:
         rule = close_rule(sizes.degree, parameter=parameter, farthest=near)
         angles = np.stack(sphere_grid(sizes.degree, order).points(), axis=-1)
-        return CloseEvaluation(rule, jnp.asarray(angles), near)
+        return CloseEvaluation(rule, constant(angles), near)
 
     # Errors of the ordinary rules fall exponentially with the distance.
     farther = max(1.0, math.log(resolution.tolerance) / math.log(CLOSE_TOLERANCE))
@@ -333,6 +333,6 @@ def cells_operator(
         source_grid=source_grid(sizes.degree, order),
         coarse_grid=source_grid(sizes.degree, order // 2) if halved else None,
         target_grid=target_grid,
-        viscosity_ratio=None if viscosity_ratio == 1.0 else jnp.asarray(viscosity_ratio),
+        viscosity_ratio=None if viscosity_ratio == 1.0 else constant(float(viscosity_ratio)),
         solver_tolerance=SOLVER_TOLERANCE * resolution.tolerance,
     )

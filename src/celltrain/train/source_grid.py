@@ -11,6 +11,7 @@ from celltrain.flow.sources import Surface
 from celltrain.harmonics.grid import SphereGrid, sphere_grid
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.tables import harmonic_tables
+from celltrain.runtime import constant
 
 
 class SourceGrid(eqx.Module):
@@ -51,5 +52,5 @@ def source_grid(degree: int, order: int) -> SourceGrid:
     grid = sphere_grid(degree, order)
     theta, phi = grid.points()
     tables = harmonic_tables(degree, theta, phi)
-    across = tables.d_phi / np.sin(theta)[:, None]
-    return SourceGrid(grid, jnp.stack([tables.d_theta, across]))
+    across = np.asarray(tables.d_phi) / np.sin(theta)[:, None]
+    return SourceGrid(grid, constant(np.stack([np.asarray(tables.d_theta), across])))
