@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.special import erfc
 
+from celltrain.clock import compilation
 from celltrain.compiled.near_loops import near_parts
 from celltrain.flow import own_surface_rule
 from celltrain.flow.force_sums import _formula, force_sums
@@ -19,6 +20,7 @@ from celltrain.flow.own_surface import (
     own_double_layer,
     own_velocity,
 )
+from celltrain.runtime import constant
 
 XI = 1.3
 CHUNKS, TARGETS, BLOCKS, SOURCES, IMAGES = 3, 5, 4, 7, 1
@@ -160,3 +162,14 @@ def test_derivatives_on_the_own_surface() -> None:
         expected = (above - below) / (2 * step)
         assert_allclose(found[0], expected, rtol=0, atol=1e-6 * np.abs(expected).max())
         assert_allclose(found[1], -2.0 * found[0], rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_tables_become_arrays_without_a_program() -> None:
+    """Of a shape that nothing else has: what JAX makes by itself it compiles for each."""
+    before = compilation.seconds()
+    made = constant(np.ones((3, 11, 17)))
+    assert compilation.seconds() == before
+    assert isinstance(made, jax.Array)
+    assert made.dtype == float
+    jnp.asarray(np.ones((3, 11, 19)))
+    assert compilation.seconds() > before

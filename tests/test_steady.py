@@ -10,7 +10,7 @@ from celltrain import Base, NotConverged, Train, steady
 from celltrain.harmonics import Profile
 from celltrain.meridian.geometry import largest_radius, meridian_points
 from celltrain.proximity.meridian import streamwise_gap
-from celltrain.steady import Iteration, path, ways
+from celltrain.steady import Iteration, iterate, path, ways
 from celltrain.steady.degree import DEGREES
 from celltrain.steady.iterate import Iterated
 from celltrain.steady.path import change_degree
@@ -76,6 +76,29 @@ def test_a_march_that_is_cut_short_says_so(coarse_base: Base) -> None:
     # And it is a way to go on.
     followed = steady(coarse_base.train, start=last)
     assert_allclose(followed.coefficients, coarse_base.coefficients, rtol=0, atol=1e-8)
+
+
+def test_a_march_after_newtons_method_begins_with_a_step_of_its_own(
+    coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And leaves the cutting of Newton's steps to its own."""
+    problem = SteadyProblem(coarse_base.train.changed(packing=0.29))
+    halvings: list[object] = []
+
+    def newton(*given: object, **how: object) -> Iterated:
+        halvings.append(how["halvings"])
+        return found(*given, **how)  # type: ignore[arg-type]
+
+    found = iterate.newton
+    monkeypatch.setattr(iterate, "newton", newton)
+    for failed, first in ((False, "newton"), (True, "march")):
+        reached = iterate.march(
+            problem, coarse_base.profile, tolerance=1e-9, most=40, newton_failed=failed
+        )
+        assert reached.steady
+        assert reached.history[0].method == first
+    assert set(halvings) == {iterate.FEW_HALVINGS}
+    assert iterate.FEW_HALVINGS < iterate.MOST_HALVINGS
 
 
 def test_change_of_degree() -> None:
