@@ -1,16 +1,18 @@
 """The numbers that the documentation quotes, computed anew.
 
-    python validation/run.py [STUDY ... | all] [--reference FOLDER]
+    python validation/run.py [STUDY ... | all] [--anew] [--reference FOLDER]
     python validation/run.py breakup --simulate NAME
 
 Every study writes a page and a figure into docs/validation and states what is expected. Without
-names all of them run, which takes half an hour on two cores with what is kept and hours without,
-but for `breakup`, which takes hours and runs when it is named.
+names all of them run but for `breakup`, which takes hours and runs when it is named; `--anew`
+computes also what is kept, but for simulations. At the end the time of each study is printed.
 """
 
 import argparse
+import resource
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -39,11 +41,15 @@ import reference
 import sphere
 import transients
 import uncertainty
+from page import FOLDER
 
 HERE = Path(__file__).resolve().parent
 REFERENCE = HERE.parents[1] / "shared" / "reference"
 # What only runs when it is named.
 ON_REQUEST = ("breakup",)
+# Of docs/validation/data, what others found and what simulations left: kept by `--anew` as well.
+NOT_COMPUTED = ("paper-solver.toml", "capsules-published.json")
+SIMULATED = ("transients.json", "capsules-one.nc", "capsules-two.nc")
 
 
 def main() -> None:
@@ -53,6 +59,11 @@ def main() -> None:
         type=Path,
         default=REFERENCE,
         help="folder with the case of an independent code (default: ../shared/reference)",
+    )
+    parser.add_argument(
+        "--anew",
+        action="store_true",
+        help="with all: compute also what docs/validation/data keeps, but for simulations",
     )
     studies: dict[str, Callable[[argparse.Namespace], object]] = {
         "sphere": lambda _: sphere.study(),
@@ -93,15 +104,37 @@ def main() -> None:
         parser.error(f"no such study: {', '.join(unknown)}; there are {', '.join(studies)}")
     if (options.simulate or options.take) and options.studies != ["breakup"]:
         parser.error("--simulate and --take are for the study breakup alone")
+    if options.anew and options.studies:
+        parser.error("--anew is for all studies together: what one keeps, others read")
     chosen = options.studies or [name for name in studies if name not in ON_REQUEST]
     if len(chosen) == 1:
         studies[chosen[0]](options)
         return
+    if options.anew:
+        for path in (FOLDER / "data").iterdir():
+            if path.name not in NOT_COMPUTED + SIMULATED:
+                path.unlink()
     # Each in a process of its own: compiled programs of one study would stay in memory.
+    begin, table = (time.perf_counter(), _processor_time()), []
     for name in chosen:
         command = [sys.executable, __file__, name, "--reference", str(options.reference)]
+        first = time.perf_counter(), _processor_time()
         if status := subprocess.run(command, check=False).returncode:
             sys.exit(f"{name} ended with status {status}")
+        table.append((name, *_since(*first)))
+    for name, minutes, processor_minutes in (*table, ("together", *_since(*begin))):
+        print(f"{name:16} {minutes:6.1f} minutes, {processor_minutes:6.1f} of processors")
+
+
+def _processor_time() -> float:
+    """Seconds that the processes which have ended took of processors."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def _since(begin: float, processors: float) -> tuple[float, float]:
+    """Minutes, and minutes of processors, since then."""
+    return (time.perf_counter() - begin) / 60.0, (_processor_time() - processors) / 60.0
 
 
 if __name__ == "__main__":
