@@ -16,7 +16,8 @@ from celltrain.compiled import FORCE_PAIRS, LOOPS_SERVE, NODE_FORCES, STRESSLET_
 from celltrain.compiled.call_frame import differences
 from celltrain.compiled.header import HEADER, Header
 from celltrain.flow.force_sums import force_sums
-from celltrain.flow.near import Listed, pair_sums
+from celltrain.flow.near import NearPairs, pair_sums
+from celltrain.proximity.close_pairs import LeftOut
 
 XI = 1.1
 INCLUDE = Path(jax.ffi.include_dir())
@@ -26,17 +27,18 @@ TEXT = (INCLUDE / HEADER).read_text()
 Arrays = tuple[jax.Array, ...]
 
 
-def inputs() -> tuple[tuple[jax.Array | Listed, ...], Arrays]:
+def inputs() -> tuple[tuple[jax.Array | NearPairs, ...], Arrays]:
     """Of `pair_sums`, with forces and stresslets, and of `force_sums`."""
     random = np.random.default_rng(5)
     sizes = (3, 4, 3), (2, 6, 3), (2, 6, 3), (2, 6, 6)
     points = [jnp.asarray(random.normal(size=each)) for each in sizes]
-    pairs = jnp.asarray(random.integers(0, 18, 12))
-    keep = jnp.asarray(random.random((3, 3, 4, 2)) < 0.7)
-    listed = Listed(pairs, jnp.asarray(9), jnp.asarray([0, 1]), 1, keep)
+    near = jnp.asarray(random.random((3, 3, 2)) < 0.5)
+    rows = jnp.asarray(random.integers(-1, 5, (3, 3, 2)))
+    left_out = LeftOut(rows, jnp.asarray(random.random((5, 4)) < 0.3))
+    pairs = NearPairs(near, jnp.asarray([0, 1]), left_out)
     targets, weights = jnp.asarray(random.normal(size=(5, 3))), jnp.asarray(random.random((3, 2)))
     nodes = jnp.asarray(random.normal(size=(6, 5, 3, 2)))
-    return (*points, jnp.asarray(2.0), listed), (targets, nodes, weights)
+    return (*points, jnp.asarray(2.0), pairs), (targets, nodes, weights)
 
 
 def sums() -> Arrays:
@@ -67,8 +69,9 @@ def test_the_installed_header_is_what_the_loops_are_written_for() -> None:
     ("old", "new", "said"),
     [
         (r"(#define XLA_FFI_API_MAJOR) 0", r"\1 1", "XLA_FFI_API_MAJOR is 1 instead of 0"),
-        (r"(#define XLA_FFI_API_MINOR) 3", r"\1 4", "XLA_FFI_API_MINOR is 4 instead of 3"),
-        (r"(#define) XLA_FFI_API_MINOR 3", r"\1 OTHER 3", "XLA_FFI_API_MINOR is None"),
+        (r"(#define XLA_FFI_API_MINOR) \d", r"\1 2", "XLA_FFI_API_MINOR is 2 instead of 3 or 4"),
+        (r"(#define XLA_FFI_API_MINOR) \d", r"\1 5", "XLA_FFI_API_MINOR is 5 instead of 3 or 4"),
+        (r"(#define) XLA_FFI_API_MINOR \d", r"\1 OTHER 3", "XLA_FFI_API_MINOR is None"),
         (r"(XLA_FFI_DataType_F64) = 12", r"\1 = 13", "XLA_FFI_DataType_F64 is 13 instead of 12"),
         (r"(XLA_FFI_DataType_S64) = 5", r"\1 = 55", "XLA_FFI_DataType_S64 is 55 instead of 5"),
         (r"(XLA_FFI_DataType_PRED) = 1,", r"\1 = 2,", "XLA_FFI_DataType_PRED is 2 instead of 1"),
@@ -99,6 +102,19 @@ def test_another_header_is_told_apart(tmp_path: Path, old: str, new: str, said: 
     assert any(said in each for each in found), found
 
 
+def test_both_versions_of_the_interface_serve(tmp_path: Path) -> None:
+    """By their numbers and their names of what extends a frame."""
+    minor, base, later = "XLA_FFI_API_MINOR", "XLA_FFI_Extension_Base", "XLA_FFI_InternalExtension"
+    here = Header(TEXT).numbers[minor]
+    for number, name in ((3, base), (4, later)):
+        text = re.sub(rf"{base}|{later}", name, TEXT).replace(
+            f"{minor} {here}", f"{minor} {number}"
+        )
+        assert differences(doctored(tmp_path / name, text)) == []
+    wrong = text.replace(later, base)
+    assert differences(doctored(tmp_path / "wrong", wrong)) == [f"there is no structure {later}"]
+
+
 def test_no_header(tmp_path: Path) -> None:
     assert "cannot be read" in differences(tmp_path)[0]
 
@@ -117,7 +133,7 @@ def test_places_are_those_of_a_compiler() -> None:
 
 def test_without_loops_formulas_give_the_same(tmp_path: Path) -> None:
     """A package whose jaxlib has another header says so, and computes the same sums."""
-    folder = doctored(tmp_path, changed(r"(#define XLA_FFI_API_MINOR) 3", r"\1 4"))
+    folder = doctored(tmp_path, changed(r"(#define XLA_FFI_API_MINOR) \d+", r"\1 5"))
     program = f"""
 import runpy, warnings
 import jax, numpy
@@ -139,7 +155,7 @@ numpy.savez({str(tmp_path / "sums.npz")!r}, *here["sums"]())
         [sys.executable, "-c", program], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert "XLA_FFI_API_MINOR is 4 instead of 3" in done.stdout
+    assert "XLA_FFI_API_MINOR is 5 instead of 3 or 4" in done.stdout
     with np.load(tmp_path / "sums.npz") as kept:
         for number, expected in enumerate(sums()):
             size = np.abs(expected).max()

@@ -10,6 +10,7 @@ from celltrain.harmonics import UNIT_DISPLACEMENT, profile_of
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import reference_coefficients
 from celltrain.meridian.geometry import size_at_rest
+from celltrain.proximity.chunks import CHUNK
 from celltrain.proximity.close_pairs import ClosePairs, close_pairs
 from celltrain.proximity.overlaps import overlaps
 from celltrain.proximity.walls import RoundWall
@@ -55,6 +56,16 @@ def distances(clouds: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
     return found
 
 
+def left_out(found: ClosePairs) -> np.ndarray:
+    """Which pairs are, [image, group, target, cell]."""
+    rows, close = map(np.asarray, (found.left_out.rows, found.left_out.close))
+    by_chunk = np.where(rows[..., None] >= 0, close[rows], False)
+    by_group = by_chunk.reshape(len(rows), CELLS + 1, -1, CELLS, CHUNK)
+    by_target = np.moveaxis(by_group, 3, 4).reshape(len(rows), CELLS + 1, -1, CELLS)
+    assert not by_target[:, :, TARGETS:].any()
+    return by_target[:, :, :TARGETS]
+
+
 def test_search_against_all_distances(
     clouds: tuple[np.ndarray, np.ndarray, np.ndarray], distances: np.ndarray
 ) -> None:
@@ -62,7 +73,7 @@ def test_search_against_all_distances(
     close = distances.min(axis=-1) < DISTANCE
     assert 50 < found.count == close.sum() == found.valid.sum()
     assert not found.overflow
-    np.testing.assert_array_equal(found.keep, ~close)
+    np.testing.assert_array_equal(left_out(found), close)
     listed = np.stack([found.image + IMAGES, found.group, found.target, found.cell], axis=-1)
     listed = listed[np.asarray(found.valid)]
     assert {tuple(each) for each in listed} == {tuple(each) for each in np.argwhere(close)}
@@ -92,10 +103,18 @@ def test_too_short_a_list_is_seen(
     assert found.overflow
     assert found.count == close.sum()
     assert found.valid.all()
-    np.testing.assert_array_equal(found.keep, ~close)
+    np.testing.assert_array_equal(left_out(found), close)
     exactly = search(*clouds, capacity=int(close.sum()))
     assert not exactly.overflow
     assert exactly.valid.all()
+
+
+def test_too_few_rows_are_seen(
+    clouds: tuple[np.ndarray, np.ndarray, np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("celltrain.proximity.close_pairs.PAIR_CHUNK", 1)
+    monkeypatch.setattr("celltrain.proximity.close_pairs.ROWS_PER_CHUNK", 1)
+    assert search(*clouds, capacity=1000).overflow
 
 
 def test_nothing_close(clouds: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
@@ -103,7 +122,7 @@ def test_nothing_close(clouds: tuple[np.ndarray, np.ndarray, np.ndarray]) -> Non
     found = search(targets + 100.0 * np.eye(3)[0], owners, sources, capacity=20)
     assert found.count == 0
     assert not found.valid.any()
-    assert found.keep.all()
+    assert not left_out(found).any()
 
 
 def test_derivatives_do_not_pass_through(

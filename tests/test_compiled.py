@@ -13,13 +13,14 @@ from celltrain.clock import compilation
 from celltrain.compiled.near_loops import near_parts
 from celltrain.flow import own_surface_rule
 from celltrain.flow.force_sums import _formula, force_sums
-from celltrain.flow.near import Listed, _pair_sums_formula, pair_sums
+from celltrain.flow.near import NearPairs, _pair_sums_formula, block_sum, pair_sums
 from celltrain.flow.own_surface import (
     _double_layer_formula,
     _own_formula,
     own_double_layer,
     own_velocity,
 )
+from celltrain.proximity.close_pairs import LeftOut
 from celltrain.runtime import constant
 
 XI = 1.3
@@ -34,20 +35,16 @@ def inputs() -> list[jax.Array]:
     return [*made, jnp.asarray(0.5)]
 
 
-def listed(*, keep: bool) -> Listed:
-    """A few pairs of many, one of them twice, with the rest of the list unused."""
+def near_pairs(*, left_out: bool) -> NearPairs:
+    """A third of all pairs; of the cells' rows that have close targets, some are not used."""
     random = np.random.default_rng(4)
-    images = 2 * IMAGES + 1
-    pairs = random.integers(0, images * CHUNKS * BLOCKS, size=20)
-    pairs[1] = pairs[0]
-    kept = random.random((images, CHUNKS, TARGETS, 2)) < 0.6
-    return Listed(
-        jnp.asarray(pairs),
-        jnp.asarray(12),
-        jnp.asarray([0, 1, 0, 1]),
-        IMAGES,
-        jnp.asarray(kept) if keep else None,
-    )
+    images, cells, rows = 2 * IMAGES + 1, 2, 9
+    near = jnp.asarray(random.random((images, CHUNKS, BLOCKS)) < 0.3)
+    row_of = np.full(images * CHUNKS * cells, -1)
+    row_of[random.permutation(row_of.size)[:rows]] = np.arange(rows)
+    close = jnp.asarray(random.random((rows + 2, TARGETS)) < 0.6)
+    some = LeftOut(jnp.asarray(row_of.reshape(images, CHUNKS, cells)), close)
+    return NearPairs(near, jnp.asarray([0, 1, 0, 1]), some if left_out else None)
 
 
 @pytest.mark.parametrize("square", [1e-8, 0.01, 0.5, 3.0, 12.0, 50.0])
@@ -60,21 +57,38 @@ def test_parts_of_the_near_kernel(square: float) -> None:
     assert_allclose(inverse * square, 1.0, rtol=1e-14)
 
 
-@pytest.mark.parametrize("keep", [False, True])
+@pytest.mark.parametrize("left_out", [False, True])
 @pytest.mark.parametrize("absent", [None, 2, 3])
-def test_pairs(keep: bool, absent: int | None) -> None:
+def test_pairs(left_out: bool, absent: int | None) -> None:
     given = inputs()
     if absent is not None:
         given[absent] = None
-    pairs = listed(keep=keep)
+    pairs = near_pairs(left_out=left_out)
     found = jax.jit(partial(pair_sums, XI))(*given, pairs)
     expected = jax.jit(partial(_pair_sums_formula, XI))(pairs, *given)
     assert np.abs(expected).max() > 0.1
     assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
+def test_pairs_one_by_one() -> None:
+    targets, points, forces, _, period = inputs()
+    pairs = near_pairs(left_out=True)
+    assert pairs.left_out is not None
+    rows, close = map(np.asarray, (pairs.left_out.rows, pairs.left_out.close))
+    expected = np.zeros((2 * IMAGES + 1, CHUNKS, TARGETS, 3))
+    for image, chunk, block in np.argwhere(np.asarray(pairs.near)):
+        row = rows[image, chunk, pairs.cells[block]]
+        here = targets[chunk] - jnp.array([0.0, 0.0, 1.0]) * (image - IMAGES) * period
+        part = np.array(block_sum(here, points[block], forces[block], XI))
+        if row >= 0:
+            part[close[row]] = 0.0
+        expected[image, chunk] += part
+    found = pair_sums(XI, targets, points, forces, None, period, pairs)
+    assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
 def test_derivative_of_the_pairs() -> None:
-    given, pairs = inputs(), listed(keep=True)
+    given, pairs = inputs(), near_pairs(left_out=True)
     random = np.random.default_rng(5)
     moved = [jnp.asarray(random.normal(size=each.shape)) for each in given]
 
@@ -98,11 +112,10 @@ def test_nodes() -> None:
 
 
 def test_what_is_no_number_stays_none() -> None:
-    given, pairs = inputs(), listed(keep=False)
+    given, pairs = inputs(), near_pairs(left_out=False)
     given[0] = given[0].at[1, 2, 0].set(jnp.nan)
     found = np.asarray(pair_sums(XI, *given, pairs))
-    image = np.flatnonzero((np.asarray(pairs.pairs[:12]) // BLOCKS) % CHUNKS == 1)
-    assert image.size
+    assert pairs.near[:, 1].any()
     assert np.isnan(found[:, 1, 2]).any()
     assert np.isfinite(np.delete(found, 1, axis=1)).all()
 

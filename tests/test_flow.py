@@ -16,7 +16,8 @@ from scipy.special import erfc
 
 from celltrain.flow import PeriodicTube, Sources, periodic_tube
 from celltrain.flow.ewald import near_scalars, near_slopes
-from celltrain.flow.near import CHUNK, block_sum, near_sum
+from celltrain.flow.near import block_sum, near_sum
+from celltrain.proximity.chunks import CHUNK
 
 RADIUS, PERIOD = 2.5, 4.0
 LOOSE = jnp.array([-1])

@@ -62,7 +62,7 @@ WITH_JAX = {
     f"harmonics/{name}.py"
     for name in ("grid", "jax_shapes", "longitude", "polar", "rotation", "tables")
 } | {"membrane/energy.py", "membrane/geometry.py"}
-WITH_JAX |= {f"proximity/{name}.py" for name in ("nearest", "close_pairs")}
+WITH_JAX |= {f"proximity/{name}.py" for name in ("nearest", "chunks", "close_pairs")}
 
 
 def files() -> list[Path]:

@@ -2,8 +2,8 @@
 
 XLA calls a C function with one argument, the address of a frame of 64-bit words, as described by
 `XLA_FFI_CallFrame` in the header xla/ffi/api/c_api.h that comes with jaxlib (version 0.3 of that
-interface). Before the first call it asks for the version that the function was written for. A loop
-is
+interface, or 0.4, which takes what was written for 0.3 and has another name for one structure).
+Before the first call it asks for the version that the function was written for. A loop is
 
     @handler("name")
     def loop(frame_address):
@@ -57,10 +57,11 @@ _VERSION, _TRAITS, _ANSWER_WORDS = 3, 4, 5
 _MAJOR, _MINOR = 0, 3
 
 
+# Versions that take what was written for the first, and their names of what extends a frame.
+_MINORS = {3: "XLA_FFI_Extension_Base", 4: "XLA_FFI_InternalExtension"}
 # The same by the header's names.
 _BY_NAME = {
     "XLA_FFI_API_MAJOR": _MAJOR,
-    "XLA_FFI_API_MINOR": _MINOR,
     "XLA_FFI_Extension_Metadata": _QUESTION,
     "XLA_FFI_DataType_F64": FLOATS,
     "XLA_FFI_DataType_S64": INTEGERS,
@@ -74,7 +75,6 @@ _PLACES: dict[tuple[str, str], float] = {
     ("XLA_FFI_Buffer", "data"): _DATA,
     ("XLA_FFI_Buffer", "rank"): _RANK,
     ("XLA_FFI_Buffer", "dims"): _SIZES,
-    ("XLA_FFI_Extension_Base", "type"): _KIND,
     ("XLA_FFI_Metadata_Extension", "metadata"): _ANSWER,
     ("XLA_FFI_Metadata", "api_version.major_version"): _VERSION,
     ("XLA_FFI_Metadata", "api_version.minor_version"): _VERSION + 0.5,
@@ -93,7 +93,12 @@ def differences(include: Path) -> list[str]:
         number = header.numbers.get(name)
         if number != expected:
             found.append(f"{name} is {number} instead of {expected}")
-    for (structure, field), words in _PLACES.items():
+    minor = header.numbers.get("XLA_FFI_API_MINOR")
+    if minor not in _MINORS:
+        allowed = " or ".join(map(str, _MINORS))
+        found.append(f"XLA_FFI_API_MINOR is {minor} instead of {allowed}")
+    extension = _MINORS.get(minor or 0, _MINORS[_MINOR])
+    for (structure, field), words in (_PLACES | {(extension, "type"): _KIND}).items():
         try:
             place = header.offset(structure, field)
         except LookupError as error:

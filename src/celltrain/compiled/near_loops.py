@@ -48,7 +48,7 @@ _SERIES = tuple(math.exp(-_MIDDLE) * (-1.0) ** k / math.factorial(k) for k in ra
 _ERFC, _ERFC_MIDDLE = tuple(SCALED_ERFC[::-1]), SCALED_ERFC_MIDDLE
 _GAUSS = 2.0 / math.sqrt(math.pi)
 # Types of the loops' arguments.
-_PAIR_ARGUMENTS = (FLOATS, FLOATS, FLOATS, INTEGERS, INTEGERS, INTEGERS, FLAGS, FLOATS)
+_PAIR_ARGUMENTS = (FLOATS, FLOATS, FLOATS, FLAGS, INTEGERS, INTEGERS, FLAGS, FLOATS)
 _NODE_ARGUMENTS = (FLOATS, FLOATS, FLOATS, FLOATS)
 
 
@@ -121,7 +121,7 @@ def _stresslet_block(x: float, y: float, z: float, points: Any, dyads: Any, xi: 
 
 
 def _pair_loop(block: Any) -> Any:
-    """The loop over the listed pairs of a chunk of targets and an image of a block of sources.
+    """The loop over the near pairs of a chunk of targets and an image of a block of sources.
 
     Arguments as in `flow.near.pair_sums`.
     """
@@ -134,23 +134,24 @@ def _pair_loop(block: Any) -> Any:
         targets = numbers(frame, 0).reshape((chunks, size, 3))
         points = numbers(frame, 1).reshape((blocks, 3, count))
         strengths = numbers(frame, 2).reshape((blocks, parts, count))
-        pairs, listed, cells = integers(frame, 3), integers(frame, 4)[0], integers(frame, 5)
-        keep = flags(frame, 6)
+        near, cells = flags(frame, 3), integers(frame, 4)
+        rows, close = integers(frame, 5), flags(frame, 6)
         xi, period = numbers(frame, 7)
         sums = result(frame)
         sums[:] = 0.0
         images = sums.size // (chunks * size * 3)
         by_image = sums.reshape((images, chunks, size, 3))
-        kept = keep.size // (images * chunks * size)
-        for number in range(listed):
-            rest, b = divmod(pairs[number], blocks)
+        by_cell = rows.size // (images * chunks)
+        for place in range(near.size):
+            if near[place] == 0:
+                continue
+            rest, b = divmod(place, blocks)
             image, chunk = divmod(rest, chunks)
             shift = (image - images // 2) * period
+            row = rows[rest * by_cell + cells[b]] if by_cell > 0 else -1
             for t in range(size):
-                if kept > 0:
-                    place = ((image * chunks + chunk) * size + t) * kept + cells[b]
-                    if keep[place] == 0:
-                        continue
+                if row >= 0 and close[row * size + t] != 0:
+                    continue
                 x, y, z = targets[chunk, t]
                 u, v, w = block(x, y, z - shift, points[b], strengths[b], xi)
                 by_image[image, chunk, t, 0] += u

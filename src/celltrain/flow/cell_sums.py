@@ -50,7 +50,7 @@ class CellSums(eqx.Module):
             period=self.period,
             images=self.images,
             coarse_beyond=self.coarse_beyond,
-            keep=None if close_targets is None else close_targets.pairs.keep,
+            left_out=None if close_targets is None else close_targets.pairs.left_out,
         ) / (8.0 * math.pi)
         if close_targets is not None and self.close is not None:
             total += self.close.velocity(close_targets, targets, sources, self.period)

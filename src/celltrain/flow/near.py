@@ -25,8 +25,11 @@ from celltrain.compiled import FORCE_PAIRS, STRESSLET_PAIRS, compiled_or_plain, 
 from celltrain.compiled.kernels import UNFOLD, squared, stokeslet_gradient, stokeslet_matrix
 from celltrain.flow.ewald import near_scalars, near_slopes, near_stress_scalars
 from celltrain.flow.sources import Sources
+from celltrain.proximity.chunks import CHUNK, chunks_of
+from celltrain.proximity.close_pairs import LeftOut
 
-CHUNK = 32
+# Pairs that the formula takes at a time: enough to occupy a graphics processor.
+BATCH = 16
 
 
 def _differences(
@@ -107,64 +110,38 @@ def near_sum(
     period: Float[Array, ""],
     images: int,
     coarse_beyond: float = math.inf,
-    keep: Bool[Array, "image group target cell"] | None = None,
+    left_out: LeftOut | None = None,
 ) -> Float[Array, "group target 3"]:
     """Near sums over the axial images p = -images .. images of the sources.
 
     **Arguments:** `owners`: the cell on whose surface a group of targets lies, -1 for none; the
     block of a group's own cell is left out (its integral is singular). Image p of a source is
     displaced by p * `period` along the tube. Cells farther from a chunk of targets than
-    `coarse_beyond` contribute with their coarse samples, if there are such. Where `keep` is false,
-    that cell's contribution is left out.
+    `coarse_beyond` contribute with their coarse samples, if there are such. `left_out`: pairs to
+    which a cell contributes nothing.
     """
-    groups, count, _ = targets.shape
-    chunks = -(-count // CHUNK)
-    padding = ((0, 0), (0, chunks * CHUNK - count))
-    # Padding repeats the last target of the group: harmless for the chunk's extent.
-    padded = jnp.pad(targets, (*padding, (0, 0)), mode="edge").reshape(-1, CHUNK, 3)
+    chunks = chunks_of(targets, owners, period=period, images=images)
     points, forces, dyads = (
         _in_blocks(sources, name) for name in ("points", "forces", "stresslets")
     )
     assert points is not None
     cells = jnp.tile(jnp.arange(sources.cells), points.shape[0] // sources.cells)
-    along = jnp.array([0.0, 0.0, 1.0]) * period
-    shifts = jnp.arange(-images, images + 1)
-    if keep is not None:
-        keep = jnp.pad(keep, ((0, 0), *padding, (0, 0)))
-        keep = keep.reshape(shifts.size, groups * chunks, CHUNK, sources.cells)
-
-    # Axes: image, chunk, and block or cell.
-    moved = padded - shifts[:, None, None, None] * along
-    low, high = jnp.min(moved, axis=2)[:, :, None], jnp.max(moved, axis=2)[:, :, None]
-
-    def distance(points: Float[Array, "set point 3"]) -> Float[Array, "image chunk set"]:
-        gap = jnp.maximum(low - jnp.max(points, axis=1), jnp.min(points, axis=1) - high)
-        return jnp.linalg.norm(jnp.maximum(gap, 0.0), axis=-1)
-
-    near = distance(points) < cutoff
+    near = chunks.distance(points) < cutoff
     if sources.coarse is not None:
-        far = distance(sources.points.reshape(sources.cells, -1, 3)) >= coarse_beyond
+        far = chunks.distance(sources.points.reshape(sources.cells, -1, 3)) >= coarse_beyond
         is_coarse = jnp.arange(cells.size) >= cells.size - sources.cells
         near = near & (far[:, :, cells] == is_coarse)
-    own = jnp.repeat(owners, chunks)[:, None] == cells
-    near = near & ~(own & (shifts == 0)[:, None, None])
-    pairs = jnp.nonzero(near.ravel(), size=near.size, fill_value=0)[0]
-    listed = Listed(pairs, jnp.sum(near), cells, images, keep)
-    summed = pair_sums(parameter, padded, points, forces, dyads, jnp.asarray(period), listed)
-    return jnp.sum(summed, axis=0).reshape(groups, chunks * CHUNK, 3)[:, :count]
+    pairs = NearPairs(near & ~chunks.own(cells), cells, left_out)
+    summed = pair_sums(parameter, chunks.points, points, forces, dyads, chunks.period, pairs)
+    return chunks.in_groups(jnp.sum(summed, axis=0))
 
 
-class Listed(eqx.Module):
-    """The first `count` of `pairs`, each the flat number of an image, a chunk and a block.
+class NearPairs(eqx.Module):
+    """Which chunks of targets and images of blocks of sources are near; the blocks' cells."""
 
-    `cells` are the blocks' cells. Where `keep` is false, a cell's contribution is left out.
-    """
-
-    pairs: Int[Array, " pair"]
-    count: Int[Array, ""]
+    near: Bool[Array, "image chunk block"]
     cells: Int[Array, " block"]
-    images: int = eqx.field(static=True)
-    keep: Bool[Array, "image chunk target cell"] | None = None
+    left_out: LeftOut | None = None
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -175,18 +152,18 @@ def pair_sums(
     forces: Float[Array, "block source 3"] | None,
     stresslets: Float[Array, "block source 6"] | None,
     period: Float[Array, ""],
-    listed: Listed,
+    pairs: NearPairs,
 ) -> Float[Array, "image chunk target 3"]:
-    """Sums over the listed pairs, by compiled loops where there are such.
+    """Sums over the near pairs, by compiled loops where there are such.
 
     Derivatives are those of the formulas.
     """
-    total = jnp.zeros((2 * listed.images + 1, *targets.shape))
+    total = jnp.zeros((pairs.near.shape[0], *targets.shape))
     plain = partial(_pair_sums_formula, parameter)
     for name, strengths in ((FORCE_PAIRS, (forces, None)), (STRESSLET_PAIRS, (None, stresslets))):
         if any(each is not None for each in strengths):
             compiled = partial(_pair_sums_loop, name, parameter)
-            given = (listed, targets, points, *strengths, period)
+            given = (pairs, targets, points, *strengths, period)
             total = total + compiled_or_plain(compiled, plain, *given)
     return total
 
@@ -194,7 +171,7 @@ def pair_sums(
 def _pair_sums_loop(
     name: str,
     parameter: float,
-    listed: Listed,
+    pairs: NearPairs,
     targets: Array,
     points: Array,
     forces: Array | None,
@@ -202,52 +179,63 @@ def _pair_sums_loop(
     period: Array,
 ) -> Array:
     """The sums for one kind of sources, by the compiled loop of a name."""
-    shape = (2 * listed.images + 1, *targets.shape)
-    keep = jnp.zeros(0, dtype=bool) if listed.keep is None else listed.keep
+    shape = (pairs.near.shape[0], *targets.shape)
+    left_out = pairs.left_out
+    if left_out is None:
+        left_out = LeftOut(jnp.zeros((0, 0, 0), dtype=int), jnp.zeros((0, CHUNK), dtype=bool))
     strengths = forces if stresslets is None else stresslets
     assert strengths is not None
     by_part = (jnp.swapaxes(each, 1, 2) for each in (points, strengths))
-    places = (listed.pairs, listed.count, listed.cells, keep, jnp.stack([parameter, period]))
-    return loop(name, shape, targets, *by_part, *places)
+    places = (pairs.near, pairs.cells, left_out.rows, left_out.close)
+    return loop(name, shape, targets, *by_part, *places, jnp.stack([parameter, period]))
 
 
 @pair_sums.defjvp
 def _pair_sums_jvp(parameter, primals, tangents):  # type: ignore[no-untyped-def]
-    *inputs, listed = primals
-    formula = partial(_pair_sums_formula, parameter, listed)
+    *inputs, pairs = primals
+    formula = partial(_pair_sums_formula, parameter, pairs)
     _, moved = jax.jvp(formula, tuple(inputs), tuple(tangents[:-1]))
-    return pair_sums(parameter, *inputs, listed), moved
+    return pair_sums(parameter, *inputs, pairs), moved
 
 
 def _pair_sums_formula(
     parameter: float,
-    listed: Listed,
+    pairs: NearPairs,
     targets: Array,
     points: Array,
     forces: Array | None,
     stresslets: Array | None,
     period: Array,
 ) -> Array:
-    """What `pair_sums` computes, one pair of a chunk and a block after the other."""
-    images, keep = listed.images, listed.keep
+    """What `pair_sums` computes, a batch of pairs of a chunk and a block at a time."""
+    near, left_out = pairs.near, pairs.left_out
     along = jnp.array([0.0, 0.0, 1.0]) * period
-    shape = (2 * images + 1, targets.shape[0], points.shape[0])
+    listed = jnp.nonzero(near.ravel(), size=near.size, fill_value=0)[0]
+    count = jnp.sum(near)
 
-    def add(number: Array, total: Array) -> Array:
-        image, chunk, block = jnp.unravel_index(listed.pairs[number], shape)
-        here = targets[chunk] - (image - images) * along
+    def of_pair(pair: Array, wanted: Array) -> Array:
+        image, chunk, block = jnp.unravel_index(pair, near.shape)
+        here = targets[chunk] - (image - near.shape[0] // 2) * along
         here, block_points = jax.lax.optimization_barrier((here, points[block]))
         part = jnp.zeros_like(here)
         if forces is not None:
             part = part + block_sum(here, block_points, forces[block], parameter)
         if stresslets is not None:
             part = part + stresslet_block_sum(here, block_points, stresslets[block], parameter)
-        if keep is not None:
-            part = jnp.where(keep[image, chunk, :, listed.cells[block], None], part, 0.0)
-        return total.at[image, chunk].add(part)
+        if left_out is not None:
+            row = left_out.rows[image, chunk, pairs.cells[block]]
+            wanted = wanted & ~(left_out.close[row] & (row >= 0))[:, None]
+        return jnp.where(wanted, part, 0.0)
 
-    start = jnp.zeros((shape[0], *targets.shape))
-    return jax.lax.fori_loop(0, listed.count, add, start)
+    def add(number: Array, total: Array) -> Array:
+        places = number * BATCH + jnp.arange(BATCH)
+        batch = listed[jnp.minimum(places, listed.size - 1)]
+        parts = jax.vmap(of_pair)(batch, places < count)
+        image, chunk, _ = jnp.unravel_index(batch, near.shape)
+        return total.at[image, chunk].add(parts)
+
+    start = jnp.zeros((near.shape[0], *targets.shape))
+    return jax.lax.fori_loop(0, -(-count // BATCH), add, start)
 
 
 def _in_blocks(sources: Sources, name: str) -> Float[Array, "block source part"] | None:

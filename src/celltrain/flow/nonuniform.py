@@ -103,9 +103,10 @@ def plain_modes_to_points(
     shape = (counts[0], counts[1], counts[2])
     width, sizes = _kernel_width(tolerance), _sizes(shape, tolerance)
     divided = modes / _kernel_modes(shape, sizes, width)
-    padded = jnp.zeros((parts, *sizes), dtype=complex)
-    x, y, z = (_numbers(n) % size for n, size in zip(shape, sizes, strict=True))
-    padded = padded.at[:, x[:, None, None], y[None, :, None], z[None, None, :]].set(divided)
+    # Not by setting elements: XLA does that for complex numbers on GPUs one by one.
+    missing = (size - n for n, size in zip(shape, sizes, strict=True))
+    padded = jnp.pad(divided, ((0, 0), *((0, each) for each in missing)))
+    padded = jnp.roll(padded, [-(n // 2) for n in shape], axis=(1, 2, 3))
     grid = jnp.fft.ifftn(padded, axes=(1, 2, 3), norm="forward").reshape(parts, -1)
 
     def take(angles: Array) -> Array:

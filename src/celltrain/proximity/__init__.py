@@ -3,6 +3,7 @@
 - `nearest`: the point of a surface nearest to a given one, by Newton's method; all else searches
   with it;
 - `boxes`: which cells and images can be within a distance at all;
+- `chunks`: targets in chunks, and what their boxes are near to;
 - `close_pairs`: targets too close to a cell for its ordinary grid, inside programs of JAX;
 - `overlaps`: cells that intersect each other or the wall;
 - `film_points`: points of membranes in thin films, and the nearest points across them;

@@ -1,9 +1,8 @@
 """Which targets are too close to which cells for an ordinary grid.
 
 The smallest distance from every target to the grid points of every cell and periodic image is
-found chunk by chunk, as the near sums are taken; cells whose points' bounding box is out of reach
-of a chunk's are skipped. What is close is listed, up to a given number of pairs, and counted beyond
-it.
+found for those pairs of a chunk of targets and an image of a cell whose boxes are within reach.
+These pairs are listed, and of them what is close, both up to a given number.
 """
 
 import equinox as eqx
@@ -11,17 +10,33 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-TARGET_CHUNK = 64
+from celltrain.proximity.chunks import CHUNK, Chunks, chunks_of
+
 PAIR_CHUNK = 64
+# Pairs of a chunk and an image of a cell that are looked at together.
+ROWS_AT_ONCE = 4
+# As many of them are listed for each chunk, on average.
+ROWS_PER_CHUNK = 12
+
+
+class LeftOut(eqx.Module):
+    """What is left out of ordinary sums: close pairs, in rows of a chunk and an image of a cell.
+
+    `rows` has the number of the row that a chunk and an image of a cell have, -1 where there is
+    none, and with it nothing close. A row is true where the chunk's target is close to that cell.
+    """
+
+    rows: Int[Array, "image chunk cell"]
+    close: Bool[Array, "row target"]
 
 
 class ClosePairs(eqx.Module):
-    """Pairs of a target and the image of a cell, and the mask of what is left to ordinary sums.
+    """Pairs of a target and the image of a cell, and what is left to ordinary sums.
 
     `image` is p of a source displaced by p * period along the tube, from -images to images; `node`
     the number of the cell's grid point nearest to the target. Entries that are not `valid` are
-    padding. `count` is the number of all close pairs: the list is complete only if `overflow` is
-    false. `keep` is false for the close pairs, listed or not.
+    padding. `count` is the number of all close pairs that were found: not all are listed if
+    `overflow` is true. `left_out` has the close pairs, listed or not.
     """
 
     image: Int[Array, " pair"]
@@ -31,12 +46,8 @@ class ClosePairs(eqx.Module):
     node: Int[Array, " pair"]
     valid: Bool[Array, " pair"]
     count: Int[Array, ""]
-    keep: Bool[Array, "image group target cell"]
-
-    @property
-    def overflow(self) -> Bool[Array, ""]:
-        """Whether there are more close pairs than listed."""
-        return self.count > self.valid.size
+    overflow: Bool[Array, ""]
+    left_out: LeftOut
 
     def points(
         self, targets: Float[Array, "group target 3"], period: Float[Array, ""] | float
@@ -70,74 +81,65 @@ def close_pairs(
     **Arguments:** `owners`: the cell on which each group of targets lies, -1 for none; it is not
     paired with its own targets, but its images are. `capacity`: the length of the list.
     """
-    targets, sources = jax.lax.stop_gradient((targets, sources))
-    period = jax.lax.stop_gradient(jnp.asarray(period))
-    shape = (2 * images + 1, *targets.shape[:2], sources.shape[0])
-    square = _least_squares(targets, sources, distance=distance, period=period, images=images)
-    own = owners[:, None] == jnp.arange(shape[3])
-    own = own & (jnp.arange(-images, images + 1) == 0)[:, None, None]
-    close = (square < distance**2) & ~own[:, :, None]
+    targets, sources, period = jax.lax.stop_gradient((targets, sources, jnp.asarray(period)))
+    chunks = chunks_of(targets, owners, period=period, images=images)
+    cells = jnp.arange(sources.shape[0])
+    within = (chunks.distance(sources) < distance) & ~chunks.own(cells)
+    size = min(within.size, max(PAIR_CHUNK, ROWS_PER_CHUNK * chunks.points.shape[0]))
+    pairs = jnp.nonzero(within.ravel(), size=size, fill_value=0)[0]
+    reached = jnp.sum(within)
+    listed = jnp.minimum(reached, size)
+    square = _least_squares(chunks, sources, pairs, listed)
+    close = square < distance**2
+    image, chunk, cell = jnp.unravel_index(pairs, within.shape)
+    close = close & ~chunks.filling[chunk]
     count = jnp.sum(close)
-    place = jnp.nonzero(close.ravel(), size=capacity, fill_value=0)[0]
-    image, group, target, cell = jnp.unravel_index(place, shape)
-    valid = jnp.arange(capacity) < count
-    image = image - images
-    shifted = targets[group, target] - jnp.array([0.0, 0.0, 1.0]) * (image * period)[:, None]
+    row, place = jnp.divmod(jnp.nonzero(close.ravel(), size=capacity, fill_value=0)[0], CHUNK)
+    group, before = jnp.divmod(chunk[row], chunks.by_group)
+    target, valid = before * CHUNK + place, jnp.arange(capacity) < count
+    shift = jnp.array([0.0, 0.0, 1.0]) * ((image[row] - images) * period)[:, None]
+    shifted = targets[group, target] - shift
+    # What is beyond the list's end has no place among the rows.
+    places = jnp.where(jnp.arange(size) < listed, pairs, within.size)
+    rows = jnp.full(within.size, -1).at[places].set(jnp.arange(size), mode="drop")
     return ClosePairs(
-        image=image,
+        image=image[row] - images,
         group=group,
         target=target,
-        cell=cell,
-        node=_nearest_nodes(shifted, cell, sources, jnp.minimum(count, capacity)),
+        cell=cell[row],
+        node=_nearest_nodes(shifted, cell[row], sources, jnp.minimum(count, capacity)),
         valid=valid,
         count=count,
-        keep=~close,
+        overflow=(count > capacity) | (reached > size),
+        left_out=LeftOut(rows.reshape(within.shape), close),
     )
 
 
 def _least_squares(
-    targets: Float[Array, "group target 3"],
+    chunks: Chunks,
     sources: Float[Array, "cell source 3"],
-    *,
-    distance: float,
-    period: Float[Array, ""],
-    images: int,
-) -> Float[Array, "image group target cell"]:
-    """Squared distance to the nearest grid point; infinite where a chunk is out of reach."""
-    groups, count, _ = targets.shape
-    chunks = -(-count // TARGET_CHUNK)
-    padding = ((0, 0), (0, chunks * TARGET_CHUNK - count), (0, 0))
-    # Padding repeats the last target of the group: harmless for the chunk's extent.
-    padded = jnp.pad(targets, padding, mode="edge").reshape(-1, TARGET_CHUNK, 3)
-    cells = jnp.arange(sources.shape[0])
-    low, high = jnp.min(sources, axis=1), jnp.max(sources, axis=1)
-    up = jnp.array([0.0, 0.0, 1.0])
+    pairs: Int[Array, " row"],
+    listed: Int[Array, ""],
+) -> Float[Array, "row target"]:
+    """Squared distances to the nearest grid point, of the first `listed` pairs.
 
-    def of_chunk(points: Float[Array, "target 3"]) -> Float[Array, "image cell target"]:
-        def of_image(shift: Int[Array, ""]) -> Float[Array, "cell target"]:
-            moved = points - up * (shift * period)
-            bottom, top = jnp.min(moved, axis=0), jnp.max(moved, axis=0)
+    `pairs` are flat numbers of an image, a chunk and a cell; infinite beyond those listed.
+    """
+    moved = chunks.moved
+    shape = (*moved.shape[:2], sources.shape[0])
 
-            def of_cell(cell: Int[Array, ""]) -> Float[Array, " target"]:
-                gap = jnp.maximum(jnp.maximum(low[cell] - top, bottom - high[cell]), 0.0)
+    def least(pair: Int[Array, ""]) -> Float[Array, " target"]:
+        image, chunk, cell = jnp.unravel_index(pair, shape)
+        d = [moved[image, chunk, :, None, i] - sources[cell, :, i] for i in range(3)]
+        return jnp.min(d[0] ** 2 + d[1] ** 2 + d[2] ** 2, axis=1)
 
-                def least(moved: Array) -> Array:
-                    d = [moved[:, i, None] - sources[cell, :, i] for i in range(3)]
-                    return jnp.min(d[0] ** 2 + d[1] ** 2 + d[2] ** 2, axis=1)
+    def fill(number: Array, found: Array) -> Array:
+        # What is beyond the last pair repeats it.
+        row = jnp.minimum(ROWS_AT_ONCE * number + jnp.arange(ROWS_AT_ONCE), listed - 1)
+        return found.at[row].set(jax.vmap(least)(pairs[row]))
 
-                def out_of_reach(moved: Array) -> Array:
-                    return jnp.full_like(moved[:, 0], jnp.inf)
-
-                return jax.lax.cond(jnp.sum(gap**2) < distance**2, least, out_of_reach, moved)
-
-            return jax.lax.map(of_cell, cells)
-
-        return jax.lax.map(of_image, jnp.arange(-images, images + 1))
-
-    found = jax.lax.map(of_chunk, padded)
-    found = found.reshape(groups, chunks, 2 * images + 1, cells.size, TARGET_CHUNK)
-    found = jnp.transpose(found, (2, 0, 1, 4, 3))
-    return found.reshape(2 * images + 1, groups, -1, cells.size)[:, :, :count]
+    start = jnp.full((pairs.size, CHUNK), jnp.inf)
+    return jax.lax.fori_loop(0, -(-listed // ROWS_AT_ONCE), fill, start)
 
 
 def _nearest_nodes(
