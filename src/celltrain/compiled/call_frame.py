@@ -45,6 +45,9 @@ _SIGNATURE = types.int64(types.int64)
 
 # Words of the frame: what extends it, and the lists of the arguments' and results' addresses.
 _EXTENSION, _ARGUMENTS, _RESULTS, _FRAME_WORDS = 1, 9, 14, 22
+# Words of the frame again: the functions that XLA offers, and what they are told who calls; among
+# those functions, what lets a thread run a task, and how many threads there are.
+API, CONTEXT, SCHEDULE, NUMBER_OF_THREADS = 2, 3, 17, 18
 # Words of a buffer: type (half a word), address of its data, number of its axes, address of their
 # sizes.
 _TYPE, _DATA, _RANK, _SIZES, _BUFFER_WORDS = 2, 3, 4, 5, 6
@@ -69,6 +72,15 @@ _BY_NAME = {
 }
 _PLACES: dict[tuple[str, str], float] = {
     ("XLA_FFI_CallFrame", "extension_start"): _EXTENSION,
+    ("XLA_FFI_CallFrame", "api"): API,
+    ("XLA_FFI_CallFrame", "ctx"): CONTEXT,
+    ("XLA_FFI_Api", "XLA_FFI_ThreadPool_Schedule"): SCHEDULE,
+    ("XLA_FFI_Api", "XLA_FFI_ThreadPool_NumThreads"): NUMBER_OF_THREADS,
+    ("XLA_FFI_ThreadPool_Schedule_Args", "ctx"): 2,
+    ("XLA_FFI_ThreadPool_Schedule_Args", "task"): 3,
+    ("XLA_FFI_ThreadPool_Schedule_Args", "data"): 4,
+    ("XLA_FFI_ThreadPool_NumThreads_Args", "ctx"): 2,
+    ("XLA_FFI_ThreadPool_NumThreads_Args", "num_threads"): 3,
     ("XLA_FFI_CallFrame", "args.args"): _ARGUMENTS,
     ("XLA_FFI_CallFrame", "rets.rets"): _RESULTS,
     ("XLA_FFI_Buffer", "dtype"): _TYPE,
@@ -142,22 +154,23 @@ def _pointer(typing_context: Any, address: Any) -> Any:
 
 
 @njit(inline="always")
-def _words(address: int, count: int) -> Any:
+def words(address: int, count: int) -> Any:
+    """So many 64-bit words from an address on."""
     return carray(_pointer(address), (count,), np.int64)
 
 
 @njit(inline="always")
 def is_question(frame: int) -> Any:
     """Whether XLA asks for the version of the interface instead of a result."""
-    extension = _words(frame, _FRAME_WORDS)[_EXTENSION]
-    return extension != 0 and _words(extension, _KIND + 1)[_KIND] & 0xFFFFFFFF == _QUESTION
+    extension = words(frame, _FRAME_WORDS)[_EXTENSION]
+    return extension != 0 and words(extension, _KIND + 1)[_KIND] & 0xFFFFFFFF == _QUESTION
 
 
 @njit(inline="always")
 def describe(frame: int) -> int:
     """Answer that question."""
-    extension = _words(_words(frame, _FRAME_WORDS)[_EXTENSION], _ANSWER + 1)
-    answer = _words(extension[_ANSWER], _ANSWER_WORDS)
+    extension = words(words(frame, _FRAME_WORDS)[_EXTENSION], _ANSWER + 1)
+    answer = words(extension[_ANSWER], _ANSWER_WORDS)
     answer[_VERSION] = _MAJOR | (_MINOR << 32)
     answer[_TRAITS] = 0
     return 0
@@ -165,8 +178,8 @@ def describe(frame: int) -> int:
 
 @njit(inline="always")
 def _buffer(frame: int, place: int, number: int) -> Any:
-    listed = _words(_words(frame, _FRAME_WORDS)[place], number + 1)
-    return _words(listed[number], _BUFFER_WORDS)
+    listed = words(words(frame, _FRAME_WORDS)[place], number + 1)
+    return words(listed[number], _BUFFER_WORDS)
 
 
 @njit(inline="always")
@@ -189,13 +202,13 @@ def refuse(frame: int) -> int:
 def sizes(frame: int, number: int) -> Any:
     """Sizes of the axes of an argument."""
     buffer = _buffer(frame, _ARGUMENTS, number)
-    return _words(buffer[_SIZES], buffer[_RANK])
+    return words(buffer[_SIZES], buffer[_RANK])
 
 
 @njit(inline="always")
 def _count(buffer: Any) -> int:
     count = 1
-    for size in _words(buffer[_SIZES], buffer[_RANK]):
+    for size in words(buffer[_SIZES], buffer[_RANK]):
         count *= size
     return count
 

@@ -20,6 +20,8 @@ _ENUM = re.compile(r"typedef\s+enum\s*\w*\s*\{([^{}]*)\}\s*(\w+)\s*;")
 _NUMBER = re.compile(r"(\w+)\s*=\s*(\d+)\s*(?:,|$)")
 _STRUCT = re.compile(r"struct\s+(\w+)\s*\{([^{}]*)\}")
 _FIELD = re.compile(r"(?:const\s+)?(?:struct\s+)?(\w+)\s*(\**)\s*(\w+)$")
+# A field that is the address of a function and has the name of the function's type.
+_FUNCTION_FIELD = re.compile(r"_XLA_FFI_API_STRUCT_FIELD\((\w+)\)")
 _ALIAS = re.compile(r"typedef\s+(\w+)\s+(\w+)\s*;")
 
 
@@ -30,7 +32,7 @@ class Header:
     """
 
     def __init__(self, text: str) -> None:
-        self._text = _COMMENT.sub("", text)
+        self._text = _FUNCTION_FIELD.sub(r"\1* \1", _COMMENT.sub("", text))
 
     @cached_property
     def numbers(self) -> dict[str, int]:

@@ -33,6 +33,15 @@ from celltrain.compiled.kernels import (
     stresslet_scalars,
 )
 from celltrain.compiled.scaled_erfc import SCALED_ERFC, SCALED_ERFC_MIDDLE
+from celltrain.compiled.shared_work import (
+    begins,
+    ends,
+    frame_of,
+    next_part,
+    shared,
+    task,
+    task_address,
+)
 
 # Names under which XLA finds the loops.
 FORCE_PAIRS, STRESSLET_PAIRS, NODE_FORCES = (
@@ -123,11 +132,11 @@ def _stresslet_block(x: float, y: float, z: float, points: Any, dyads: Any, xi: 
 def _pair_loop(block: Any) -> Any:
     """The loop over the near pairs of a chunk of targets and an image of a block of sources.
 
-    Arguments as in `flow.near.pair_sums`.
+    Arguments as in `flow.near.pair_sums`. Parts: a chunk with one image of all blocks.
     """
 
     @njit(error_model="numpy")
-    def loop(frame: int) -> None:
+    def loop(frame: int, work: int) -> None:
         chunks, size, _ = sizes(frame, 0)
         blocks, _, count = sizes(frame, 1)
         parts = sizes(frame, 2)[1]
@@ -138,30 +147,39 @@ def _pair_loop(block: Any) -> Any:
         rows, close = integers(frame, 5), flags(frame, 6)
         xi, period = numbers(frame, 7)
         sums = result(frame)
-        sums[:] = 0.0
         images = sums.size // (chunks * size * 3)
-        by_image = sums.reshape((images, chunks, size, 3))
+        by_part = sums.reshape((images * chunks, size, 3))
         by_cell = rows.size // (images * chunks)
-        for place in range(near.size):
-            if near[place] == 0:
-                continue
-            rest, b = divmod(place, blocks)
-            image, chunk = divmod(rest, chunks)
+        part = next_part(work)
+        while part < images * chunks:
+            by_part[part] = 0.0
+            image, chunk = divmod(part, chunks)
             shift = (image - images // 2) * period
-            row = rows[rest * by_cell + cells[b]] if by_cell > 0 else -1
-            for t in range(size):
-                if row >= 0 and close[row * size + t] != 0:
+            for b in range(blocks):
+                if near[part * blocks + b] == 0:
                     continue
-                x, y, z = targets[chunk, t]
-                u, v, w = block(x, y, z - shift, points[b], strengths[b], xi)
-                by_image[image, chunk, t, 0] += u
-                by_image[image, chunk, t, 1] += v
-                by_image[image, chunk, t, 2] += w
+                row = rows[part * by_cell + cells[b]] if by_cell > 0 else -1
+                for t in range(size):
+                    if row >= 0 and close[row * size + t] != 0:
+                        continue
+                    x, y, z = targets[chunk, t]
+                    u, v, w = block(x, y, z - shift, points[b], strengths[b], xi)
+                    by_part[part, t, 0] += u
+                    by_part[part, t, 1] += v
+                    by_part[part, t, 2] += w
+            part = next_part(work)
 
     return loop
 
 
 _force_pairs, _stresslet_pairs = _pair_loop(_force_block), _pair_loop(_stresslet_block)
+
+
+@task(FORCE_PAIRS)
+def _force_pairs_task(work: int) -> int:
+    if begins(work):
+        _force_pairs(frame_of(work), work)
+    return ends(work)
 
 
 @handler(FORCE_PAIRS)
@@ -170,8 +188,15 @@ def _force_pairs_handler(frame: int) -> int:
         return describe(frame)
     if not fits(frame, _PAIR_ARGUMENTS):
         return refuse(frame)
-    _force_pairs(frame)
+    shared(frame, task_address(FORCE_PAIRS))
     return 0
+
+
+@task(STRESSLET_PAIRS)
+def _stresslet_pairs_task(work: int) -> int:
+    if begins(work):
+        _stresslet_pairs(frame_of(work), work)
+    return ends(work)
 
 
 @handler(STRESSLET_PAIRS)
@@ -180,7 +205,7 @@ def _stresslet_pairs_handler(frame: int) -> int:
         return describe(frame)
     if not fits(frame, _PAIR_ARGUMENTS):
         return refuse(frame)
-    _stresslet_pairs(frame)
+    shared(frame, task_address(STRESSLET_PAIRS))
     return 0
 
 

@@ -43,6 +43,15 @@ from celltrain.compiled.polar_lanes import (
     sums_over_azimuths,
     sums_over_degrees,
 )
+from celltrain.compiled.shared_work import (
+    begins,
+    ends,
+    frame_of,
+    next_part,
+    shared,
+    task,
+    task_address,
+)
 from celltrain.harmonics import UNIT_DISPLACEMENT
 
 #: Name under which XLA finds the loop.
@@ -143,7 +152,8 @@ def _areas(given: Any, inverse_sine: Any, areas: Any) -> None:
 
 
 @njit(error_model="numpy")
-def _own_double_layer(frame: int) -> None:
+def _own_double_layer(frame: int, work: int) -> None:
+    """Parts: so many targets of one after the other longitude and cell, on all rings."""
     cells, rings, longitudes, _ = sizes(frame, 0)
     size = sizes(frame, 1)[2]
     orders, radial, degree = sizes(frame, 4)
@@ -187,7 +197,8 @@ def _own_double_layer(frame: int) -> None:
     back = np.empty((size, 2 * LANES))
     points = np.empty(LANES)
     count = cells * longitudes
-    for first in range(0, count, _TARGETS):
+    first = _TARGETS * next_part(work)
+    while first < count:
         shift(shapes, turns, first, degree, shifted)
         for ring in range(rings):
             rotate(rotations[ring], shifted, degree, rotated)
@@ -223,6 +234,14 @@ def _own_double_layer(frame: int) -> None:
                     cell, place = divmod(first + lane, longitudes)
                     matrix, end = found[cell, ring, place], low * low if start else size
                     shift_back(back[:end], turns[place], lane, start, matrix)
+        first = _TARGETS * next_part(work)
+
+
+@task(OWN_DOUBLE_LAYER)
+def _own_double_layer_task(work: int) -> int:
+    if begins(work):
+        _own_double_layer(frame_of(work), work)
+    return ends(work)
 
 
 @handler(OWN_DOUBLE_LAYER)
@@ -231,5 +250,5 @@ def _own_double_layer_handler(frame: int) -> int:
         return describe(frame)
     if not fits(frame, _ARGUMENTS):
         return refuse(frame)
-    _own_double_layer(frame)
+    shared(frame, task_address(OWN_DOUBLE_LAYER))
     return 0

@@ -31,6 +31,15 @@ from celltrain.compiled.polar_lanes import (
     shift,
     sums_over_degrees,
 )
+from celltrain.compiled.shared_work import (
+    begins,
+    ends,
+    frame_of,
+    next_part,
+    shared,
+    task,
+    task_address,
+)
 
 #: Name under which XLA finds the loop.
 OWN_FORCES = "celltrain_own_forces"
@@ -77,7 +86,8 @@ def _add_nodes(parts: Any, weights: Any, points: Any, xi: float, sums: Any) -> N
 
 
 @njit(error_model="numpy")
-def _own_forces(frame: int) -> None:
+def _own_forces(frame: int, work: int) -> None:
+    """Parts: so many targets of one after the other longitude and cell, on all rings."""
     cells, rings, longitudes, _ = sizes(frame, 0)
     size = sizes(frame, 1)[2]
     orders, radial, degree = sizes(frame, 4)
@@ -105,7 +115,8 @@ def _own_forces(frame: int) -> None:
     parts = np.empty((2, 2, LANES))
     points, sums = np.empty((3, _TARGETS)), np.empty((3, _TARGETS))
     count = cells * longitudes
-    for first in range(0, count, _TARGETS):
+    first = _TARGETS * next_part(work)
+    while first < count:
         shift(coefficients, turns, first, degree, shifted)
         for ring in range(rings):
             rotate(rotations[ring], shifted, degree, rotated)
@@ -125,6 +136,14 @@ def _own_forces(frame: int) -> None:
                 cell, place = divmod(first + lane, longitudes)
                 for i in range(3):
                     found[cell, ring, place, i] = sums[i, lane]
+        first = _TARGETS * next_part(work)
+
+
+@task(OWN_FORCES)
+def _own_forces_task(work: int) -> int:
+    if begins(work):
+        _own_forces(frame_of(work), work)
+    return ends(work)
 
 
 @handler(OWN_FORCES)
@@ -133,5 +152,5 @@ def _own_forces_handler(frame: int) -> int:
         return describe(frame)
     if not fits(frame, _ARGUMENTS):
         return refuse(frame)
-    _own_forces(frame)
+    shared(frame, task_address(OWN_FORCES))
     return 0

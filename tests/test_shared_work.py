@@ -1,0 +1,92 @@
+"""Parts of a loop's work, computed by whichever of XLA's threads takes them."""
+
+import math
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from celltrain.compiled import LOOPS_SERVE, loop
+from celltrain.compiled.call_frame import describe, handler, is_question, numbers, result
+from celltrain.compiled.shared_work import (
+    begins,
+    ends,
+    frame_of,
+    next_part,
+    shared,
+    task,
+    task_address,
+)
+
+COUNTING = "celltrain_test_counting"
+PARTS = 97
+
+pytestmark = pytest.mark.skipif(not LOOPS_SERVE, reason="compiled loops are not used here")
+
+
+@task(COUNTING)
+def _counting_task(work: int) -> int:
+    if begins(work):
+        frame = frame_of(work)
+        given, found = numbers(frame, 0), result(frame)
+        part = next_part(work)
+        while part < found.size:
+            value = given[part % given.size]
+            for _ in range(2000):
+                value = math.cos(value)
+            found[part] += 1.0 + 0.0 * value
+            part = next_part(work)
+    return ends(work)
+
+
+@handler(COUNTING)
+def _counting_handler(frame: int) -> int:
+    if is_question(frame):
+        return describe(frame)
+    result(frame)[:] = 0.0
+    shared(frame, task_address(COUNTING))
+    return 0
+
+
+@jax.jit
+def counted(given: jax.Array) -> jax.Array:
+    """How often each part was computed."""
+    return loop(COUNTING, (PARTS,), given)
+
+
+def test_every_part_once() -> None:
+    for number in range(200):
+        np.testing.assert_array_equal(counted(jnp.arange(3.0) + number), np.ones(PARTS))
+
+
+def test_many_callers_at_once() -> None:
+    """More than there are threads: none waits for one that waits for it."""
+
+    def call(number: int) -> np.ndarray:
+        return np.array([counted(jnp.arange(3.0) + number + step) for step in range(20)])
+
+    with ThreadPoolExecutor(8) as pool:
+        for found in pool.map(call, range(8)):
+            np.testing.assert_array_equal(found, np.ones((20, PARTS)))
+
+
+def test_without_threads() -> None:
+    program = f"""
+from {__name__} import counted, np
+assert (counted(np.arange(3.0)) == 1.0).all()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=Path(__file__).parents[1],
+        env=os.environ | {"NPROC": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
