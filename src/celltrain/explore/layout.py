@@ -25,6 +25,7 @@ def page(opened: Opened) -> Any:
         [
             *(dcc.Store(id=name) for name in ("change", "shown", "asked-mode", "mode", "curves")),
             dcc.Store(id="page"),
+            dcc.Store(id="chosen"),
             dcc.Store(id="has-film", data=opened.run is not None),
             html.Div(id="nowhere", hidden=True),
             html.Header(
