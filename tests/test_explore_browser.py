@@ -175,6 +175,23 @@ def test_a_click_on_an_eigenvalue_plays_its_mode(browser: Chrome, address: str) 
     assert complaints(browser) == []
 
 
+def test_arrow_keys_go_from_mode_to_mode(browser: Chrome, address: str) -> None:
+    open_page(browser, address)
+    wait_for(browser, _LARGEST, "the spectrum")
+    spectrum = browser.find_element("css selector", '.graph[aria-label^="Near"]')
+    spectrum.send_keys(Keys.ARROW_LEFT)
+    key = "celltrain.explorer.player.mode?.key"
+    first = wait_for(browser, key, "a mode")
+    growth = "celltrain.explorer.player.mode.place[0]"
+    assert browser.execute_script(f"return {growth}") == pytest.approx(
+        browser.execute_script(f"return {_LARGEST}"), rel=1e-4
+    )
+    spectrum.send_keys(Keys.ARROW_LEFT)
+    wait_for(browser, f"{key} !== '{first}'", "the next mode")
+    assert browser.execute_script(f"return {growth}") < browser.execute_script(f"return {_LARGEST}")
+    assert complaints(browser) == []
+
+
 def test_the_address_reproduces_the_state(browser: Chrome, address: str) -> None:
     changed = address.replace("diameter=6.0", "diameter=6.25")
     open_page(browser, f"{changed}&units=SI&mode=1,0,0&amplitude=0.21&phase=90")
@@ -220,6 +237,8 @@ def test_the_ring_is_around_the_train_that_is_shown(
         converged(browser)
         choose("viscosity_ratio")
         wait_for(browser, f"{ring} === {values['viscosity_ratio']!r}", "a ring again")
+        browser.find_element("css selector", ".graph.map").send_keys(Keys.ARROW_RIGHT)
+        wait_for(browser, f"{ring} > {values['viscosity_ratio']!r}", "a ring around the next dot")
         move(browser, "diameter")
         wait_for(browser, f"{plot}.data.at(-1).x.length === 0", "no ring around another train")
         assert complaints(browser) == []

@@ -12,6 +12,11 @@ celltrain.explorer = {
     if (this.player) return;
     this.player = new celltrain.Player(document.getElementById("player"), () => this._address());
     this.player.wantMode = () => this.chooseMode("leading");
+    this.player.framed = () => this._timeLine();
+    for (const host of document.querySelectorAll(".graph[tabindex]")) {
+      const map = host.classList.contains("map");
+      celltrain.chooseByKeys(host, (key) => (map ? this.send({ place: key }) : this.chooseMode(key)));
+    }
     const query = new URLSearchParams(location.search);
     this.view = Object.fromEntries(query);
     const state = {};
@@ -164,6 +169,8 @@ celltrain.explorer = {
     const film = await celltrain.Film.of(await answer.json());
     if (this.view.time) this.player.state.frame = film.nearest(Number(this.view.time));
     this.player.setFilm(film);
+    const { show } = this.view;
+    if (show === "train" || (show === "mode" && this.player.mode)) this.player.set({ show });
   },
 
   /* The address: the case, and what is played on it. */
@@ -184,15 +191,21 @@ celltrain.explorer = {
     if (address !== location.search) {
       this.addressing = setTimeout(() => history.replaceState(null, "", address), 60);
     }
-    const film = document.querySelector("#simulation .js-plotly-plot");
-    if (film && this.player.film && film.layout.shapes) this._timeLine(film, frame);
+    this._timeLine();
   },
 
-  _timeLine(plot, frame) {
-    const time = this.player.film.times[frame];
-    const [first, last] = [this.player.film.times[0], this.player.film.times.at(-1)];
-    const end = Math.max(...plot.data[0].x);
-    const x = last > first ? (end * (time - first)) / (last - first) : 0;
+  /* The line in the figure of growth is at the film's time. */
+  _timeLine() {
+    const plot = document.querySelector("#simulation .js-plotly-plot");
+    const { film, state } = this.player;
+    if (!plot || !film || !plot.layout.meta) return;
+    if (!plot.followed) {
+      // Also after it was drawn anew, in other units.
+      plot.followed = true;
+      plot.on("plotly_afterplot", () => this._timeLine());
+    }
+    const x = film.times[state.frame] * plot.layout.meta.time;
+    if (plot.layout.shapes[0].x0 === x) return;
     Plotly.relayout(plot, { "shapes[0].x0": x, "shapes[0].x1": x });
   },
 
