@@ -155,6 +155,8 @@ def test_a_computation_nobody_waits_for_is_given_up() -> None:
         engine.converged(View(Train(diameter=6, packing=0.3, cells=3)), check)
     with pytest.raises(Superseded):
         engine.rest("page", number)
+    with pytest.raises(Superseded):
+        engine.coarse(View(Train(diameter=6, packing=0.3, cells=3)), check)
 
 
 def test_growth_by_squares_is_growth_by_exponentials(coarse_stability: Stability) -> None:

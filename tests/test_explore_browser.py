@@ -155,6 +155,13 @@ def test_a_field_takes_what_a_case_allows_and_tells_the_rest(browser: Chrome, ad
     wait_for(browser, f"!{message}.hidden", "a message")
     assert "diameter = -3" in browser.execute_script(f"return {message}.textContent")
     assert field.get_attribute("aria-invalid") == "true"
+    # A train that is sought for minutes, and in vain, is given up for the next one.
+    dense = browser.find_element("id", "field-packing")
+    dense.send_keys(Keys.CONTROL, "a")
+    dense.send_keys("3", Keys.ENTER)
+    wait_for(browser, "celltrain.explorer.busy", "that it is sought")
+    dense.send_keys(Keys.CONTROL, "a")
+    dense.send_keys("0.3", Keys.ENTER)
     field.send_keys(Keys.CONTROL, "a")
     field.send_keys("6.4", Keys.ENTER)
     wait_for(browser, f"{message}.hidden", "a picture again")

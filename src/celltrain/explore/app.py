@@ -82,7 +82,9 @@ def _add_pictures(app: Dash, opened: Opened, engine: Engine) -> None:
         except CaseError as error:
             return _refused(view, asked, str(error), change)
         try:
-            picture = engine.coarse(view)
+            picture = engine.coarse(view, engine.check(page, number))
+        except Superseded:
+            raise PreventUpdate from None
         except (CaseError, NotConverged) as error:
             return _refused(view, asked, _words(error), {})
         return _answer(picture, asked, mode)

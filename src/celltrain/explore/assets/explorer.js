@@ -34,22 +34,41 @@ celltrain.explorer = {
     this.send({ address: query.toString() });
   },
 
-  /* Changes go to the server one at a time; those that come meanwhile go together after it. */
+  /* Changes go to the server one at a time; those that come meanwhile go together after it, or
+     after two seconds: what takes longer, as where there is no train, is then given up. */
   send(change) {
-    const merged = { ...this.pending, ...change };
-    for (const name of ["places", "values"]) {
-      if (this.pending && this.pending[name] && change[name]) {
-        merged[name] = { ...this.pending[name], ...change[name] };
-      }
-    }
-    this.pending = merged;
+    this.pending = this._together(this.pending, change);
+    clearTimeout(this.waiting);
     if (!this.busy) this._flush();
+    else {
+      const left = 2000 - (performance.now() - this.asked);
+      this.waiting = setTimeout(() => this.pending && this._flush(), Math.max(left, 0));
+    }
+  },
+
+  /* Two changes as one; what is newer takes the place of what is older. */
+  _together(older, newer) {
+    const merged = { ...older, ...newer };
+    for (const kind of ["places", "values"]) {
+      // Another case of a study has values of its own.
+      if (!older || "place" in newer) {
+        merged[kind] = newer[kind] || {};
+        continue;
+      }
+      const kept = Object.entries(older[kind] || {}).filter(
+        ([name]) => !(name in (newer.places || {})) && !(name in (newer.values || {}))
+      );
+      merged[kind] = { ...Object.fromEntries(kept), ...newer[kind] };
+    }
+    return merged;
   },
 
   _flush() {
+    // What has not been answered is asked for again.
+    this.sent = this._together(this.busy ? this.sent : null, this.pending);
     this.busy = true;
     this.asked = performance.now();
-    const change = { ...this.pending, count: (this.count = (this.count || 0) + 1) };
+    const change = { ...this.sent, count: (this.count = (this.count || 0) + 1) };
     this.pending = null;
     this.status("computing", "computing");
     dash_clientside.set_props("change", { data: change });
