@@ -19,7 +19,6 @@ from celltrain.explore.drawing import LEADING, mode_drawing, mode_key, train_dra
 from celltrain.explore.engine import Engine, Picture, Superseded
 from celltrain.explore.figures import dispersion_figure, growth_figure, spectrum_figures
 from celltrain.explore.film import packed, rounding_error, unpacked
-from celltrain.explore.maps import ring_at, study_figure, train_at
 from celltrain.explore.opened import Opened, opened
 from celltrain.explore.page import page_of
 from celltrain.explore.reading import Reading
@@ -29,7 +28,6 @@ from celltrain.parameters import CaseError, Train
 from celltrain.results import save
 from celltrain.stability import Stability, infinite_train, transient_growth
 from celltrain.steady import Base
-from celltrain.study import Study, collect, read_study
 
 PLAIN = Reading("dimensionless", USUAL.scales)
 
@@ -157,6 +155,8 @@ def test_a_computation_nobody_waits_for_is_given_up() -> None:
         engine.converged(View(Train(diameter=6, packing=0.3, cells=3)), check)
     with pytest.raises(Superseded):
         engine.rest("page", number)
+    with pytest.raises(Superseded):
+        engine.coarse(View(Train(diameter=6, packing=0.3, cells=3)), check)
 
 
 def test_growth_by_squares_is_growth_by_exponentials(coarse_stability: Stability) -> None:
@@ -226,37 +226,6 @@ def test_a_film_is_what_was_computed() -> None:
     assert len(shorter) <= len(text) // 2
     assert coarser > step
     assert rounding_error(shapes, coarser) > rounding_error(shapes, step) > 0.0
-
-
-@pytest.fixture
-def study(tmp_path: Path) -> Study:
-    """A study over two axes, one of them in SI."""
-    file = tmp_path / "study.toml"
-    file.write_text(
-        'units = "SI"\n[case]\ncells = 3\ndegree = 8\n[axes]\n'
-        "diameter = [16e-6, 17e-6]\npacking = [0.2, 0.3, 0.4]\n"
-    )
-    return read_study(file)
-
-
-def test_a_point_of_a_map_is_its_train(study: Study) -> None:
-    result = collect(study, {})
-    for case in study.cases:
-        place = ",".join(str(each) for each in case.index)
-        assert train_at(result, place).leaves() == pytest.approx(case.train.leaves())
-    with pytest.raises(CaseError, match="a point of the map"):
-        train_at(result, "7,0")
-    with pytest.raises(CaseError, match="none of its cases has a steady train"):
-        page_of(result)
-    result.data["spectral_abscissa"][:] = 0.01
-    result.data["spectral_abscissa"][0, 1] = np.nan
-    drawn = study_figure(result, "spectral_abscissa")
-    places = [each for trace in drawn["data"] for each in trace.get("customdata", [])]
-    assert sorted(places) == ["0,0", "0,1", "0,2", "1,0", "1,1", "1,2"]
-    ring = ring_at(result, "1,2")
-    assert (ring["x"], ring["y"]) == ([0.4], [17e-6])
-    assert "page-data" in page_of(result)
-    json.dumps(drawn, allow_nan=False)
 
 
 def test_what_can_be_opened(tmp_path: Path, coarse_base: Base) -> None:

@@ -8,6 +8,7 @@ import re
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,6 +19,7 @@ pytest.importorskip("dash", reason="the explorer needs the extra `explore`")
 pytest.importorskip("selenium", reason="selenium is not there")
 
 from browser import complaints, converged, hosts, open_browser, there_is_one, wait_for
+from samples import CELLS, made_up
 from selenium.webdriver import Chrome
 from selenium.webdriver.common.keys import Keys
 
@@ -26,6 +28,7 @@ from celltrain.explore.app import make_app
 from celltrain.explore.engine import Engine
 from celltrain.explore.film import film_of
 from celltrain.explore.opened import Opened
+from celltrain.explore.overview import overview_of
 from celltrain.explore.page import assembled, page_of, train_content
 from celltrain.explore.report import row
 from celltrain.explore.server import serve
@@ -38,6 +41,7 @@ from celltrain.harmonics import (
 from celltrain.parameters import Train
 from celltrain.stability import Stability, stability
 from celltrain.steady import Base
+from celltrain.study import collect_sample, make_sampled_study
 
 pytestmark = pytest.mark.skipif(
     not there_is_one(), reason="there is no browser: chromium and chromium-driver"
@@ -59,18 +63,23 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
     driver.quit()
 
 
+@contextmanager
+def served(what: Opened) -> Iterator[str]:
+    """The explorer, served by this process: its address."""
+    engine = Engine()
+    engine.warm_up(what.view)
+    server = serve(make_app(what, engine), port=0, query=what.view.address)
+    thread = threading.Thread(target=server.server.serve_forever, daemon=True)
+    thread.start()
+    yield server.address
+    server.server.shutdown()
+    thread.join()
+
+
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
-    """The explorer, served by this process."""
-    view = View(CASE)
-    engine = Engine()
-    engine.warm_up(view)
-    served = serve(make_app(Opened(view), engine), port=0, query=view.address)
-    thread = threading.Thread(target=served.server.serve_forever, daemon=True)
-    thread.start()
-    yield served.address
-    served.server.shutdown()
-    thread.join()
+    with served(Opened(View(CASE))) as address:
+        yield address
 
 
 def open_page(browser: Chrome, address: str) -> None:
@@ -146,6 +155,13 @@ def test_a_field_takes_what_a_case_allows_and_tells_the_rest(browser: Chrome, ad
     wait_for(browser, f"!{message}.hidden", "a message")
     assert "diameter = -3" in browser.execute_script(f"return {message}.textContent")
     assert field.get_attribute("aria-invalid") == "true"
+    # A train that is sought for minutes, and in vain, is given up for the next one.
+    dense = browser.find_element("id", "field-packing")
+    dense.send_keys(Keys.CONTROL, "a")
+    dense.send_keys("3", Keys.ENTER)
+    wait_for(browser, "celltrain.explorer.busy", "that it is sought")
+    dense.send_keys(Keys.CONTROL, "a")
+    dense.send_keys("0.3", Keys.ENTER)
     field.send_keys(Keys.CONTROL, "a")
     field.send_keys("6.4", Keys.ENTER)
     wait_for(browser, f"{message}.hidden", "a picture again")
@@ -166,6 +182,23 @@ def test_a_click_on_an_eigenvalue_plays_its_mode(browser: Chrome, address: str) 
     assert complaints(browser) == []
 
 
+def test_arrow_keys_go_from_mode_to_mode(browser: Chrome, address: str) -> None:
+    open_page(browser, address)
+    wait_for(browser, _LARGEST, "the spectrum")
+    spectrum = browser.find_element("css selector", '.graph[aria-label^="Near"]')
+    spectrum.send_keys(Keys.ARROW_LEFT)
+    key = "celltrain.explorer.player.mode?.key"
+    first = wait_for(browser, key, "a mode")
+    growth = "celltrain.explorer.player.mode.place[0]"
+    assert browser.execute_script(f"return {growth}") == pytest.approx(
+        browser.execute_script(f"return {_LARGEST}"), rel=1e-4
+    )
+    spectrum.send_keys(Keys.ARROW_LEFT)
+    wait_for(browser, f"{key} !== '{first}'", "the next mode")
+    assert browser.execute_script(f"return {growth}") < browser.execute_script(f"return {_LARGEST}")
+    assert complaints(browser) == []
+
+
 def test_the_address_reproduces_the_state(browser: Chrome, address: str) -> None:
     changed = address.replace("diameter=6.0", "diameter=6.25")
     open_page(browser, f"{changed}&units=SI&mode=1,0,0&amplitude=0.21&phase=90")
@@ -182,6 +215,40 @@ def test_the_address_reproduces_the_state(browser: Chrome, address: str) -> None
     wait_for(browser, "celltrain.explorer.player.state.show === 'mode'", "a mode")
     assert shown_alpha(browser) == alpha
     wait_for(browser, f"location.search === {json.dumps(search)}", "the same address")
+
+
+def test_the_ring_is_around_the_train_that_is_shown(
+    browser: Chrome, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("celltrain.study.sampling.statistics.RESAMPLES", 20)
+    study = make_sampled_study(CELLS)
+    shown = overview_of(collect_sample(study, made_up(study)))
+    plot = "document.querySelector('#map .js-plotly-plot')"
+    ring = f"({plot}?.data?.at(-1).marker?.size === 17 ? {plot}.data.at(-1).x[0] : undefined)"
+    values = study.points[3][1].values
+
+    def choose(name: str) -> None:
+        number = list(shown.names).index(f"over {name}")
+        browser.find_elements("css selector", ".choice input")[number].click()
+
+    with served(Opened(View(shown.first), study=shown)) as address:
+        open_page(browser, address)
+        choose("shear_modulus")
+        wait_for(browser, f"{plot}?.data?.length === 2", "dots")
+        browser.execute_script("celltrain.explorer.clickedMap({points: [{customdata: '1,3'}]})")
+        wait_for(browser, f"{ring} === {values['shear_modulus']!r}", "a ring")
+        choose("viscosity_ratio")
+        wait_for(browser, f"{ring} === {values['viscosity_ratio']!r}", "a ring in another figure")
+        converged(browser)
+        browser.refresh()
+        converged(browser)
+        choose("viscosity_ratio")
+        wait_for(browser, f"{ring} === {values['viscosity_ratio']!r}", "a ring again")
+        browser.find_element("css selector", ".graph.map").send_keys(Keys.ARROW_RIGHT)
+        wait_for(browser, f"{ring} > {values['viscosity_ratio']!r}", "a ring around the next dot")
+        move(browser, "diameter")
+        wait_for(browser, f"{plot}.data.at(-1).x.length === 0", "no ring around another train")
+        assert complaints(browser) == []
 
 
 def test_twenty_changes_leave_memory_where_it_was(browser: Chrome, address: str) -> None:
@@ -246,6 +313,8 @@ def test_one_file_plays_without_python_or_network(
 ) -> None:
     file = tmp_path / "page.html"
     file.write_text(page_of(coarse_stability), encoding="utf-8")
+    # The page before may still have been asking for something.
+    browser.get("about:blank")
     hosts(browser)
     browser.get(file.as_uri())
     wait_for(browser, "document.getElementById('status').dataset.kind === 'ready'", "the page")

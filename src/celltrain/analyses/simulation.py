@@ -39,6 +39,8 @@ from celltrain.stability import Stability, check_linearisable, stability
 from celltrain.steady import Base, steady
 
 DEFAULT_AMPLITUDE = 0.1
+# Nothing else can be told until the first step is done.
+_BEGINS = "simulation: getting ready; the first on a machine compiles its programs, up to a minute"
 POSITIVE, NOT_NEGATIVE = "numbers > 0", "numbers >= 0"
 _STATUS = {
     **dict.fromkeys(("complete", "steps", "running"), ExitStatus.DONE),
@@ -141,6 +143,7 @@ class Simulation(WrittenMeanwhile[Run]):
         train = _at_own_degree(train)
         dynamic = _is_linear(disturbance) or _is_known(start, train)
         known = (_linear_dynamics if dynamic else _steady)(train, start, progress)
+        progress.log(_BEGINS)
         try:
             return evolve(
                 known,
@@ -166,6 +169,7 @@ class Simulation(WrittenMeanwhile[Run]):
         """
         from celltrain.evolution import resume  # JAX
 
+        progress.log(_BEGINS)
         return resume(
             path, until=self.until, save_seconds=self.save_seconds, progress=progress.step
         )

@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from dash import ClientsideFunction, Dash, Input, Output, Patch, State
+from dash import ClientsideFunction, Dash, Input, Output, Patch, State, no_update
 from dash.exceptions import PreventUpdate
 from flask import Response, request
 
@@ -82,7 +82,9 @@ def _add_pictures(app: Dash, opened: Opened, engine: Engine) -> None:
         except CaseError as error:
             return _refused(view, asked, str(error), change)
         try:
-            picture = engine.coarse(view)
+            picture = engine.coarse(view, engine.check(page, number))
+        except Superseded:
+            raise PreventUpdate from None
         except (CaseError, NotConverged) as error:
             return _refused(view, asked, _words(error), {})
         return _answer(picture, asked, mode)
@@ -169,23 +171,31 @@ def _add_curves(app: Dash, opened: Opened, engine: Engine) -> None:
     if opened.study is not None:
         study = opened.study
 
-        @app.callback(Output("map", "figure"), Input("map-number", "value"))
-        def show_map(name: str) -> Any:
-            return study.figure(name)
+        @app.callback(
+            Output("map", "figure"), Input("map-number", "value"), State("chosen", "data")
+        )
+        def show_map(name: str, chosen: str | None) -> Any:
+            return study.drawn(name, chosen)
 
         @app.callback(
             Output("map", "figure", allow_duplicate=True),
-            Input("change", "data"),
+            Output("chosen", "data"),
+            Input("shown", "data"),
             State("map-number", "value"),
+            State("chosen", "data"),
             prevent_initial_call=True,
         )
-        def mark(change: Mapping[str, Any], name: str) -> Any:
-            ring = study.ring(change["place"], name) if "place" in change else None
-            if ring is None:
+        def mark(shown: Mapping[str, Any], name: str, before: str | None) -> tuple[Any, Any]:
+            """The ring around the train that is shown, where it is one of the study's."""
+            place = study.place(view_of(shown["address"], opened.view.train).train)
+            if place == before:
                 raise PreventUpdate
+            ring = study.ring(place, name)
+            if ring is None:
+                return no_update, place
             patch = Patch()
             patch["data"][-1].update(ring)
-            return patch
+            return patch, place
 
     if opened.run is not None:
         run = opened.run

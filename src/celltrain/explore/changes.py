@@ -25,8 +25,7 @@ def view_after(view: View, change: Mapping[str, Any], opened: Opened) -> View:
         if change["address"].strip("?") == "":
             view = opened.view
     if "place" in change and opened.study is not None:
-        train = opened.study.train(change["place"])
-        view = replace(view, train=train.changed(scales=view.train.scales, unusual=True))
+        view = replace(view, train=opened.study.train(change["place"]))
     if "units" in change:
         units: Units = "SI" if change["units"] == "SI" else "dimensionless"
         view = replace(view, units=units)

@@ -96,8 +96,8 @@ class Engine:
             self._changed.notify_all()
             return self._newest[page]
 
-    def coarse(self, view: View) -> Picture:
-        """The case at a low degree and for m = 0 to 3.
+    def coarse(self, view: View, check: Callable[[], None] = lambda: None) -> Picture:
+        """The case at a low degree and for m = 0 to 3; `check` may raise.
 
         Raises:
             CaseError, NotConverged: if there is no steady train.
@@ -108,7 +108,7 @@ class Engine:
         degree = min(view.train.resolution.degree or COARSE, COARSE)
         train = view.train.changed(degree=degree)
         with self._computing:
-            base = self._near(train)
+            base = self._near(train, check)
             result: Stability | InfiniteTrain
             if view.infinite:
                 phases = np.linspace(0.0, np.pi, COARSE_PHASES)
@@ -185,18 +185,22 @@ class Engine:
         """
         return self._known(view, True) or self.coarse(view)
 
-    def _near(self, train: Train) -> Base:
+    def _near(self, train: Train, check: Callable[[], None]) -> Base:
         """The steady train, followed from the nearest one that is known, or else from rest."""
+
+        def look(*_: object) -> None:
+            check()
+
         alike = [each for each in self._bases if _kind(each.train) == _kind(train)]
         base = None
         if alike:
             nearest = min(alike, key=lambda each: _distance(each.train, train))
             try:
-                base = steady(train, start=nearest, estimate_error=False)
+                base = steady(train, start=nearest, estimate_error=False, progress=look)
             except NotConverged:
                 base = None
         if base is None:
-            base = steady(train, estimate_error=False)
+            base = steady(train, estimate_error=False, progress=look)
         self._bases = [*self._bases[1 - _BASES :], base]
         return base
 

@@ -25,6 +25,7 @@ def page(opened: Opened) -> Any:
         [
             *(dcc.Store(id=name) for name in ("change", "shown", "asked-mode", "mode", "curves")),
             dcc.Store(id="page"),
+            dcc.Store(id="chosen"),
             dcc.Store(id="has-film", data=opened.run is not None),
             html.Div(id="nowhere", hidden=True),
             html.Header(
@@ -64,7 +65,7 @@ def _side(opened: Opened) -> Any:
 
 def _main(opened: Opened) -> list[Any]:
     parts: list[Any] = [
-        html.Div(id="message", className="message", role="alert", hidden=True),
+        html.Div(id="message", className="message above", role="alert", hidden=True),
     ]
     if opened.study is not None:
         names = opened.study.names
@@ -89,9 +90,9 @@ def _main(opened: Opened) -> list[Any]:
                         ],
                         className="heading",
                     ),
-                    _graph("map", "map"),
+                    _graph("map", "map", "Study"),
                 ],
-                className="panel",
+                className="panel above",
             )
         )
     parts.append(
@@ -101,7 +102,7 @@ def _main(opened: Opened) -> list[Any]:
                 html.Div(id="cards", className="cards"),
                 html.Div(id="player", className="player"),
             ],
-            className="panel",
+            className="panel above",
         )
     )
     if opened.run is not None:
@@ -148,14 +149,20 @@ def _panel(title: str, name: str, kind: str = "", *, note: str = "") -> Any:
     if kind == "curves":
         parts.append(html.Span(className="curves-stage"))
     heading = html.Div(parts, className="heading")
-    return html.Section([heading, _graph(name, kind)], className="panel")
+    points = title if name.startswith("spectrum") else ""
+    return html.Section([heading, _graph(name, kind, points)], className="panel")
 
 
-def _graph(name: str, kind: str) -> Any:
+def _graph(name: str, kind: str, points: str = "") -> Any:
+    """A figure; with the words for `points` those can be chosen by keys as well."""
     graph = dcc.Graph(
         id=name, figure=figure([]), config=CONFIG, responsive=True, style={"height": "100%"}
     )
-    return html.Div(graph, className=f"graph {kind}".strip())
+    keys: Any = {}
+    if points:
+        words = f"{points}; arrow keys go from point to point"
+        keys = {"tabIndex": 0, "role": "application", **_named(words)}
+    return html.Div(graph, className=f"graph {kind}".strip(), **keys)
 
 
 def _named(words: str) -> Any:

@@ -1,5 +1,6 @@
 """A study in the browser: its map or curves, and the train under each point."""
 
+import math
 import tomllib
 from typing import Any
 
@@ -7,8 +8,10 @@ import numpy as np
 import xarray as xr
 
 from celltrain.explore.figures import INK, QUIET, Figure, axis, figure
-from celltrain.parameters import CaseError, Scales, Train, merge_case
-from celltrain.parameters.routing import DIMENSIONS
+from celltrain.parameters import CaseError, Train, merge_case
+from celltrain.parameters.fields import plain_type
+from celltrain.parameters.routing import DIMENSIONS, TAKEN
+from celltrain.parameters.train import Units
 from celltrain.pictures.style import BLUE, COLORS, VERMILION
 from celltrain.study import StudyResult
 
@@ -20,6 +23,10 @@ SHOWN = {
     "effective_viscosity": "effective viscosity (µ)",
     "cell_velocity": "velocity of the cells (U)",
 }
+
+#: Coordinates of the ring around a case.
+Ring = dict[str, list[Any]]
+NO_RING: Ring = {"x": [], "y": []}
 
 
 def shown_numbers(study: StudyResult) -> dict[str, str]:
@@ -47,7 +54,7 @@ def study_figure(study: StudyResult, name: str) -> Figure:
     up, right = (str(each) for each in values.dims)
     x, y = _numbers(values[right]), _numbers(values[up])
     places = [[f"{row},{column}" for column in range(len(x))] for row in range(len(y))]
-    grid = [[None if not np.isfinite(each) else float(each) for each in row] for row in values]
+    grid = [[_finite(float(each)) for each in row] for row in values]
     return figure(
         [
             {
@@ -104,32 +111,58 @@ def train_at(study: StudyResult, place: str) -> Train:
         case = data.isel(dict(zip(dims, index, strict=True)))
     except (ValueError, IndexError):
         raise CaseError(f"place = {place!r} is not allowed; allowed: a point of the map") from None
+    # All at once: in SI a capillary number acts on the values of the other axes.
+    values = {name: _kept(name, case[name].item()) for name in dims}
     train = merge_case(tomllib.loads(str(data.attrs["case"])), {"unusual": True})
-    plain: dict[str, Any] = {}
-    si: dict[str, Any] = {}
-    for name in dims:
-        value = case[name].item()
-        in_si = data[name].attrs.get("units") not in ("1", _unit(name))
-        kept = int(value) if name == "cells" or name.endswith(("degree", "_order")) else value
-        (si if in_si or name in Scales.model_fields else plain)[name] = kept
-    if plain:
-        train = train.changed(**plain)
-    if si:
-        train = merge_case(train.leaves("SI"), {**si, "units": "SI", "unusual": True})
-    return train
+    if units_of(study) == "SI":
+        return merge_case(train.leaves("SI"), {**values, "units": "SI", "unusual": True})
+    return train.changed(**values, unusual=True)
 
 
-def ring_at(study: StudyResult, place: str) -> dict[str, list[Any]]:
-    """Where the ring stands around a case of a study's figure.
+def units_of(study: StudyResult) -> Units:
+    """The units of a study's axes; without any that have a dimension both are the same."""
+    units = {name: study.data[name].attrs.get("units") for name in study.data["status"].dims}
+    alike = all(unit in ("1", _unit(str(name))) for name, unit in units.items())
+    return "dimensionless" if alike else "SI"
 
-    Of curves over one axis the ring needs the number that is shown, and there is none.
-    """
-    dims = [str(each) for each in study.data["status"].dims]
+
+def place_of(study: StudyResult, train: Train) -> str | None:
+    """The place of a train in a study's figures; None if it is none of the cases in them."""
+    known = numbers_of(train, units_of(study))
+    found = []
+    for name in study.data["status"].dims:
+        values = study.data[name].values.tolist()
+        same = [index for index, each in enumerate(values) if _alike(each, known[str(name)])]
+        if not same:
+            return None
+        found.append(same[0])
+    # Of what further axes there are the first value is shown.
+    place = ",".join(map(str, found[-2:]))
+    return place if not any(found[:-2]) and equal(train_at(study, place), train) else None
+
+
+def numbers_of(train: Train, units: Units) -> dict[str, object]:
+    """All that may vary in a study, by name."""
+    return {**train.leaves(units), "capillary_number": train.leaf("capillary_number")}
+
+
+def equal(one: Train, other: Train) -> bool:
+    """Whether two trains are the same but for rounding."""
+    first, second = one.leaves("SI"), other.leaves("SI")
+    return all(_alike(value, second[name]) for name, value in first.items())
+
+
+def ring_at(study: StudyResult, place: str | None, name: str) -> Ring:
+    """Where the ring stands around a case in the figure of a number; nowhere without a case."""
+    if place is None:
+        return NO_RING
+    values = study.data[name]
+    dims = [str(each) for each in values.dims]
     numbers = [int(each) for each in place.split(",")]
-    if len(numbers) < 2:
-        return {"x": [], "y": []}
-    up, right = (study.data[name] for name in dims[-2:])
-    return {"x": [_numbers(right)[numbers[-1]]], "y": [_numbers(up)[numbers[-2]]]}
+    across = _numbers(study.data[dims[-1]])[numbers[-1]]
+    if len(dims) == 1:
+        return {"x": [across], "y": [_finite(float(values[numbers[-1]]))]}
+    return {"x": [across], "y": [_numbers(study.data[dims[-2]])[numbers[-2]]]}
 
 
 def _cases(
@@ -163,8 +196,7 @@ def _cases(
                     "color": color,
                     "line": {"color": INK, "width": 0.8},
                 },
-                "hovertemplate": f"(%{{x:.4g}}, %{{y:.4g}})<br>{label}: %{{text}}<br>click: open"
-                " this train<extra></extra>",
+                "hovertemplate": f"(%{{x:.4g}}, %{{y:.4g}})<br>{label}: %{{text}}<extra></extra>",
             }
         )
     return traces
@@ -177,11 +209,11 @@ def _curve(values: xr.DataArray, label: str) -> Figure:
         "type": "scatter",
         "mode": "lines+markers",
         "x": x,
-        "y": [None if not np.isfinite(each) else float(each) for each in values],
+        "y": [_finite(float(each)) for each in values],
         "customdata": [str(place) for place in range(len(x))],
         "line": {"color": COLORS[0], "width": 1.8},
         "marker": {"color": BLUE, "size": 8},
-        "hovertemplate": f"%{{x:.4g}}: {label} %{{y:.4g}}<br>click: open this train<extra></extra>",
+        "hovertemplate": f"%{{x:.4g}}: {label} %{{y:.4g}}<extra></extra>",
     }
     return figure([trace, chosen_ring()], xaxis=axis(_words(values[name])), yaxis=axis(label))
 
@@ -189,13 +221,28 @@ def _curve(values: xr.DataArray, label: str) -> Figure:
 def chosen_ring(color: str = "#ffffff") -> dict[str, Any]:
     """A ring around the case that is shown; last of all traces."""
     look = {"symbol": "circle-open", "size": 17, "color": color, "line": {"width": 3}}
-    empty: dict[str, Any] = {"type": "scatter", "mode": "markers", "x": [], "y": []}
-    return {**empty, "marker": look, "hoverinfo": "skip"}
+    return {"type": "scatter", "mode": "markers", **NO_RING, "marker": look, "hoverinfo": "skip"}
 
 
 def _numbers(axis: xr.DataArray) -> list[Any]:
     values = axis.values
     return [each if isinstance(each, str) else float(each) for each in values.tolist()]
+
+
+def _alike(one: object, other: object) -> bool:
+    if isinstance(one, int | float) and isinstance(other, int | float):
+        return math.isclose(one, other, rel_tol=1e-9)
+    return one == other
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _kept(name: str, value: object) -> object:
+    """A value of an axis as a case has it: whole numbers are kept as others."""
+    whole = name in TAKEN and plain_type(TAKEN[name]) is int
+    return int(value) if whole and isinstance(value, float) else value
 
 
 def _words(axis: xr.DataArray) -> str:

@@ -79,7 +79,7 @@ def _of_result(result: Record, path: Path) -> Opened:
             study = overview_of(result)
         except CaseError as error:
             raise CaseError(f"{str(path)!r}: {error}") from None
-        return Opened(View(study.first), path.name, study=study)
+        return Opened(View(study.first, study.units), path.name, study=study)
     base = presentation(result.kind).steady_train(result)
     run = result if isinstance(result, Run) else None
     return Opened(View(base.train), path.name, base, run)

@@ -46,7 +46,7 @@ from celltrain.steady import Base
 from celltrain.study import SampleResult, StudyResult
 
 ASSETS = Path(__file__).parent / "assets"
-SCRIPTS = ("harmonics.js", "film.js", "stage.js", "player.js", "numbers.js", "page.js")
+SCRIPTS = ("harmonics.js", "film.js", "stage.js", "player.js", "numbers.js", "keys.js", "page.js")
 #: Modes with m above this can be played only if they are among the leading ones.
 MOST_NUMBER, LEADING_MODES = 3, 200
 
@@ -120,7 +120,7 @@ def train_content(result: Stability | InfiniteTrain | Base) -> dict[str, Any]:
     reading = Reading("dimensionless", base.train.scales)
     infinite = isinstance(result, InfiniteTrain)
     content: dict[str, Any] = {
-        "title": title(base.train, infinite=infinite),
+        "title": title(base.train, reading, infinite=infinite),
         "headline": headline(result, reading),
         "rows": rows(result, reading),
         "motion": motion(base),

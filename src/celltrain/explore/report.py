@@ -98,12 +98,13 @@ def row(name: str, value: float, error: float, unit: str) -> Row:
     return {"name": name, "value": text, "error": f"{error:.1g}" if known else "", "unit": unit}
 
 
-def title(train: Train, *, infinite: bool) -> str:
+def title(train: Train, reading: Reading, *, infinite: bool) -> str:
     """The case in a line."""
+    length, unit = reading.of("r0")
     cells = "infinite train" if infinite else f"{train.cells} cells"
     return (
-        f"D = {train.tube.diameter:.6g} r₀, packing {train.packing:.6g}, {cells}, viscosity ratio"
-        f" {train.flow.viscosity_ratio:.4g}"
+        f"D = {train.tube.diameter * length:.6g} {unit}, packing {train.packing:.6g}, {cells},"
+        f" viscosity ratio {train.flow.viscosity_ratio:.4g}"
     )
 
 
@@ -115,7 +116,7 @@ def motion(base: Base) -> str:
 def report(picture: Picture, reading: Reading) -> dict[str, Any]:
     """All words and numbers about a picture."""
     return {
-        "title": title(picture.base.train, infinite=picture.view.infinite),
+        "title": title(picture.base.train, reading, infinite=picture.view.infinite),
         "headline": headline(picture.result, reading),
         "motion": motion(picture.base),
         "rows": rows(picture.result, reading),

@@ -2,15 +2,15 @@
 
 import itertools
 import tomllib
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from celltrain.explore.figures import INK, OTHERS, Figure, axis, figure
-from celltrain.explore.maps import chosen_ring
+from celltrain.explore.maps import NO_RING, Ring, chosen_ring, equal, numbers_of
 from celltrain.explore.report import Row, row
 from celltrain.parameters import CaseError, Train, merge_case
+from celltrain.parameters.train import Units
 from celltrain.pictures.sample import DRAWN, MOST_DOTS, bin_count
 from celltrain.pictures.style import BLUE, SKY, VERMILION
 from celltrain.study.sampling.result import SampleResult
@@ -54,13 +54,28 @@ def sample_figure(sample: SampleResult, name: str) -> Figure:
     return _over(data, name.removeprefix(_OVER))
 
 
-def sample_ring(sample: SampleResult, place: str, name: str) -> dict[str, list[Any]] | None:
-    """Where the ring stands around a train, in figures that have one."""
+def sample_ring(sample: SampleResult, place: str | None, name: str) -> Ring | None:
+    """Where the ring stands around a train, in figures that have one; nowhere without a train."""
     if not name.startswith(_OVER):
         return None
+    if place is None:
+        return NO_RING
     train = sample.data.isel(_index(sample, place))
     parameter, rate = train[name.removeprefix(_OVER)], train["spectral_abscissa"]
     return {"x": [float(parameter)], "y": [float(rate)]}
+
+
+def sample_place(sample: SampleResult, train: Train) -> str | None:
+    """The place of a train in a sample; None if it is none of its trains."""
+    data, known = sample.data, numbers_of(train, sample_units(sample))
+    values = [known[name] for name in _parameters(data)]
+    if not all(isinstance(value, int | float) for value in values):
+        return None
+    same = np.ones(data["status"].shape, bool)
+    for name, value in zip(_parameters(data), values, strict=True):
+        same &= np.isclose(data[name].values, float(value), rtol=1e-9, atol=0.0)  # type: ignore[arg-type]
+    places = (",".join(map(str, index)) for index in np.argwhere(same))
+    return next((each for each in places if equal(sample_train(sample, each), train)), None)
 
 
 def sample_train(sample: SampleResult, place: str | None = None) -> Train:
@@ -75,9 +90,15 @@ def sample_train(sample: SampleResult, place: str | None = None) -> Train:
         return central
     drawn = data.isel(_index(sample, place))
     values: dict[str, object] = {name: float(drawn[name]) for name in _parameters(data)}
-    if data["spectral_abscissa"].attrs["units"] == "U/r0":
-        return central.changed(**values)
-    return merge_case(central.leaves("SI"), {**values, "units": "SI", "unusual": True})
+    if sample_units(sample) == "SI":
+        return merge_case(central.leaves("SI"), {**values, "units": "SI", "unusual": True})
+    return central.changed(**values, unusual=True)
+
+
+def sample_units(sample: SampleResult) -> Units:
+    """The units of a sample's parameters and outputs."""
+    dimensionless = sample.data["spectral_abscissa"].attrs["units"] == "U/r0"
+    return "dimensionless" if dimensionless else "SI"
 
 
 def sample_headline(sample: SampleResult) -> str:

@@ -19,6 +19,8 @@ def simulation_figure(run: Run, reading: Reading) -> Figure:
     time, unit = reading.of("r0/U")
     length, length_unit = reading.of("r0")
     times = growth.times[chosen]
+    # The film goes on to the end of the last step, whose beginning is the last of these times.
+    ends = [float(run.times[0]) * time, float(max(run.times[-1], growth.times[-1])) * time]
     curves = [("simulation, ε", growth.size, BLUE, "solid", 2.2)]
     if growth.displacement is not None:
         curves.append(("simulation, ε<sub>x</sub>", growth.displacement, VERMILION, "solid", 2.2))
@@ -43,14 +45,16 @@ def simulation_figure(run: Run, reading: Reading) -> Figure:
             }
             for name, values, color, dash, width in curves
         ],
-        xaxis=axis(f"time t ({unit})"),
+        xaxis=axis(f"time t ({unit})", range=ends),
         yaxis=axis(
             f"size of the disturbance ({length_unit})",
             **logarithmic(bottom, top),
         ),
         showlegend=True,
         legend={"x": 0.02, "y": 0.98, "bgcolor": "rgba(255,255,255,0.7)", "font": {"size": 11}},
-        # The vertical line shows the time of the film.
+        uirevision=unit,
+        # The vertical line shows the time of the film, which is in r0/U.
+        meta={"time": time},
         shapes=[
             {
                 "type": "line",

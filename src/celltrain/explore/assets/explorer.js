@@ -12,6 +12,11 @@ celltrain.explorer = {
     if (this.player) return;
     this.player = new celltrain.Player(document.getElementById("player"), () => this._address());
     this.player.wantMode = () => this.chooseMode("leading");
+    this.player.framed = () => this._timeLine();
+    for (const host of document.querySelectorAll(".graph[tabindex]")) {
+      const map = host.classList.contains("map");
+      celltrain.chooseByKeys(host, (key) => (map ? this.send({ place: key }) : this.chooseMode(key)));
+    }
     const query = new URLSearchParams(location.search);
     this.view = Object.fromEntries(query);
     const state = {};
@@ -29,22 +34,41 @@ celltrain.explorer = {
     this.send({ address: query.toString() });
   },
 
-  /* Changes go to the server one at a time; those that come meanwhile go together after it. */
+  /* Changes go to the server one at a time; those that come meanwhile go together after it, or
+     after two seconds: what takes longer, as where there is no train, is then given up. */
   send(change) {
-    const merged = { ...this.pending, ...change };
-    for (const name of ["places", "values"]) {
-      if (this.pending && this.pending[name] && change[name]) {
-        merged[name] = { ...this.pending[name], ...change[name] };
-      }
-    }
-    this.pending = merged;
+    this.pending = this._together(this.pending, change);
+    clearTimeout(this.waiting);
     if (!this.busy) this._flush();
+    else {
+      const left = 2000 - (performance.now() - this.asked);
+      this.waiting = setTimeout(() => this.pending && this._flush(), Math.max(left, 0));
+    }
+  },
+
+  /* Two changes as one; what is newer takes the place of what is older. */
+  _together(older, newer) {
+    const merged = { ...older, ...newer };
+    for (const kind of ["places", "values"]) {
+      // Another case of a study has values of its own.
+      if (!older || "place" in newer) {
+        merged[kind] = newer[kind] || {};
+        continue;
+      }
+      const kept = Object.entries(older[kind] || {}).filter(
+        ([name]) => !(name in (newer.places || {})) && !(name in (newer.values || {}))
+      );
+      merged[kind] = { ...Object.fromEntries(kept), ...newer[kind] };
+    }
+    return merged;
   },
 
   _flush() {
+    // What has not been answered is asked for again.
+    this.sent = this._together(this.busy ? this.sent : null, this.pending);
     this.busy = true;
     this.asked = performance.now();
-    const change = { ...this.pending, count: (this.count = (this.count || 0) + 1) };
+    const change = { ...this.sent, count: (this.count = (this.count || 0) + 1) };
     this.pending = null;
     this.status("computing", "computing");
     dash_clientside.set_props("change", { data: change });
@@ -164,6 +188,8 @@ celltrain.explorer = {
     const film = await celltrain.Film.of(await answer.json());
     if (this.view.time) this.player.state.frame = film.nearest(Number(this.view.time));
     this.player.setFilm(film);
+    const { show } = this.view;
+    if (show === "train" || (show === "mode" && this.player.mode)) this.player.set({ show });
   },
 
   /* The address: the case, and what is played on it. */
@@ -184,15 +210,21 @@ celltrain.explorer = {
     if (address !== location.search) {
       this.addressing = setTimeout(() => history.replaceState(null, "", address), 60);
     }
-    const film = document.querySelector("#simulation .js-plotly-plot");
-    if (film && this.player.film && film.layout.shapes) this._timeLine(film, frame);
+    this._timeLine();
   },
 
-  _timeLine(plot, frame) {
-    const time = this.player.film.times[frame];
-    const [first, last] = [this.player.film.times[0], this.player.film.times.at(-1)];
-    const end = Math.max(...plot.data[0].x);
-    const x = last > first ? (end * (time - first)) / (last - first) : 0;
+  /* The line in the figure of growth is at the film's time. */
+  _timeLine() {
+    const plot = document.querySelector("#simulation .js-plotly-plot");
+    const { film, state } = this.player;
+    if (!plot || !film || !plot.layout.meta) return;
+    if (!plot.followed) {
+      // Also after it was drawn anew, in other units.
+      plot.followed = true;
+      plot.on("plotly_afterplot", () => this._timeLine());
+    }
+    const x = film.times[state.frame] * plot.layout.meta.time;
+    if (plot.layout.shapes[0].x0 === x) return;
     Plotly.relayout(plot, { "shapes[0].x0": x, "shapes[0].x1": x });
   },
 

@@ -47,6 +47,7 @@ celltrain.page = {
       );
       this.player.resting = content.motion;
       this.player.wantMode = () => this.choose(content.leading);
+      this.player.framed = () => this._played(this.player.state);
       this.player.tabs.mode.disabled = !content.leading;
       this.player.setTrain(content.train);
     }
@@ -78,6 +79,13 @@ celltrain.page = {
         if (point) this.choose(String(point.customdata));
       });
       this.plots[name] = plot;
+      const chosen = drawn.data.some((trace) => trace.customdata);
+      if (chosen && this.content.leading) {
+        plot.tabIndex = 0;
+        plot.setAttribute("role", "application");
+        plot.setAttribute("aria-label", `${drawn.title}; arrow keys go from point to point`);
+        celltrain.chooseByKeys(plot, (key) => this.choose(key));
+      }
     }
   },
 

@@ -90,6 +90,9 @@ celltrain.Player = class {
   /* Called when a mode is asked for and none is chosen. */
   wantMode() {}
 
+  /* Called a few times a second while a film plays. */
+  framed() {}
+
   setTrain(train) {
     this.train = train;
     this.stage.setTrain(train);
@@ -174,6 +177,7 @@ celltrain.Player = class {
   _run() {
     this.running = true;
     let before = performance.now();
+    let told = before;
     let place = this.state.frame;
     const step = (now) => {
       if (!this.state.playing) {
@@ -192,6 +196,10 @@ celltrain.Player = class {
         place += (this.film.frames * seconds) / Math.max(12, this.film.frames / 30);
         if (place > this.film.frames - 1) place = 0;
         this.state.frame = Math.floor(place);
+        if (now - told > 150) {
+          told = now;
+          this.framed();
+        }
       }
       this._show();
       this._draw();
