@@ -13,7 +13,7 @@ from celltrain import Train
 from celltrain.train import resting_shapes, train_operator
 
 QUICK = "--xla_backend_optimization_level=0"
-TRAIN = Train(diameter=6, packing=0.3, cells=2, degree=6, viscosity_ratio=2.0)
+TRAIN = Train(diameter=6, packing=0.3, cells=2, degree=6)
 
 
 def rates() -> np.ndarray:
