@@ -161,6 +161,22 @@ def test_neo_hookean_dilates_three_times_as_hard_as_it_shears() -> None:
     assert_allclose(stored, 3 * SHEAR * 1e-8, rtol=1e-2)
 
 
+@pytest.mark.parametrize("stretches", [(0.5, 0.8), (0.7, 1.6), (1.0, 2.0), (1.5, 1.9)])
+def test_neo_hookean_tensions_are_those_of_an_incompressible_sheet(
+    stretches: tuple[float, float],
+) -> None:
+    # A sheet of thickness h and shear modulus G = Es/(2 h) with stretch l3 = 1/(l1 l2) across and
+    # the pressure that makes that side free: T1 = G h l3 (l1^2 - l3^2), at any strain.
+    first, second = stretches
+    across = 1.0 / (first * second)
+
+    def stored(along: jax.Array) -> jax.Array:
+        return NEO_HOOKEAN.energy_density(along**2 + second**2 - 2, (along * second) ** 2 - 1)
+
+    tension = jax.grad(stored)(first) / second
+    assert_allclose(tension, SHEAR / 2 * across * (first**2 - across**2), rtol=1e-13)
+
+
 @pytest.mark.parametrize("law", [SKALAK, NEO_HOOKEAN], ids=["skalak", "neo_hookean"])
 @pytest.mark.parametrize("stretch", [0.9, 1.2])
 def test_tension_of_a_dilated_sphere(law: ConstitutiveLaw, stretch: float) -> None:

@@ -26,7 +26,14 @@ DIAMETER, SPEED, PACKING, CELL_RADIUS = 1.5, 1e-3, 0.3, 2.8e-6
 PACKINGS = (0.25, 0.27, 0.28, 0.285, 0.2909, 0.293, 0.296, 0.298, PACKING)
 WIDE = 2.0
 #: Degrees, the number of their targets, and gradings: the first along the branch.
-RESOLUTIONS = ((48, 50, 1.0), (48, 72, 1.0), (56, 84, 1.0), (64, 66, 0.0))
+RESOLUTIONS = (
+    (48, 50, 1.0),
+    (48, 72, 1.0),
+    (56, 84, 1.0),
+    (64, 96, 1.0),
+    (72, 108, 1.0),
+    (64, 66, 0.0),
+)
 # Change of the packing whose difference gives the tangent, and Newton's steps.
 STEP, TOLERANCE, MOST = 2e-4, 1e-9, 60
 

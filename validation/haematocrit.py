@@ -10,22 +10,31 @@ from celltrain import Base, CaseError, Train, steady
 from celltrain.diagnostics import discharge_haematocrit, in_vitro_viscosity, tube_haematocrit
 from celltrain.parameters import Scales
 from celltrain.steady import NotConverged
+from celltrain.steady.solve import at_degree
 
 #: Diameters of tubes, um, the first to be computed first, and packings of the trains in them.
 DIAMETERS = (10.0, 9.0, 8.0, 7.0, 6.5)
 PACKINGS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
 #: Discharge haematocrits at which the two are compared.
 COMPARED = (0.1, 0.3)
+#: The degree whose trains tell the error of the others.
+HIGHER = 36
+#: Differences from the law beyond this are explained, and those at gaps below this (r0) apart.
+LARGE, CLOSE = 0.10, 0.1
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """A tube, um, a packing, and the steady train there or why there is none."""
+    """A tube, um, a packing, and the steady train there or why there is none.
+
+    `finer` is its viscosity at the higher degree, NaN if the train was not found there.
+    """
 
     diameter: float
     packing: float
     base: Base | None
+    finer: float = np.nan
     reason: str = ""
 
 
@@ -51,9 +60,14 @@ def trains(page: Page) -> list[Attempt]:
 def _train(diameter: float, packing: float, start: Base | None) -> Attempt:
     train = Train(diameter=diameter * 1e-6 / Scales().radius, packing=packing, cells=1, degree=FINE)
     try:
-        return Attempt(diameter, packing, steady(train, start=start, estimate_error=False))
+        base = steady(train, start=start, estimate_error=False)
     except (NotConverged, CaseError) as error:
-        return Attempt(diameter, packing, None, str(error))
+        return Attempt(diameter, packing, None, reason=str(error))
+    try:
+        finer = at_degree(base, HIGHER).effective_viscosity
+    except (NotConverged, CaseError):
+        finer = np.nan
+    return Attempt(diameter, packing, base, finer)
 
 
 def study() -> None:
@@ -64,7 +78,9 @@ Single-file trains of the default cell in tubes of {", ".join(f"{d:g}" for d in 
 (r0 = 2.8 um, so {", ".join(f"{d / 2.8:.2f}" for d in DIAMETERS)} r0; the resting cell is 2.77 r0
 wide), at the default mean velocity of 2.875 mm/s, M = {FINE}, beside the law that Pries, Neuhaus &
 Gaehtgens (1992) fitted to measurements of the relative apparent viscosity. Tube haematocrit: N
-V/(pi R^2 L); discharge haematocrit: that times U_c/U. Both viscosities are relative to the plasma.
+V/(pi R^2 L); discharge haematocrit: that times U_c/U. Both viscosities are relative to the plasma;
+*error* is the difference of the train's from that at M = {HIGHER}, *gap* that between neighbours
+along the tube.
 Each train is continued from the one before. Where that ends no denser train is tried: cells in
 narrow tubes are long, and close to each other at packings below 0.7.
 """
@@ -75,7 +91,7 @@ narrow tubes are long, and close to each other at packings below 0.7.
     for attempt in attempts:
         base = attempt.base
         if base is None:
-            rows.append((f"{attempt.diameter:g}", f"{attempt.packing:g}", *[""] * 7))
+            rows.append((f"{attempt.diameter:g}", f"{attempt.packing:g}", *[""] * 9))
             continue
         share = discharge_haematocrit(base)
         law = float(in_vitro_viscosity(attempt.diameter, share))
@@ -88,9 +104,13 @@ narrow tubes are long, and close to each other at packings below 0.7.
                 f"{tube_haematocrit(base):.3f}",
                 f"{share:.3f}",
                 f"{base.effective_viscosity:.4f}",
+                f"{abs(attempt.finer - base.effective_viscosity):.0e}"
+                if np.isfinite(attempt.finer)
+                else "not known",
                 f"{law:.4f}",
                 f"{base.effective_viscosity / law - 1:+.1%}",
                 f"{base.train.radius - base.largest_radius:.3f}",
+                f"{base.gap:.3f}",
                 f"{base.truncation_error:.0e}",
             )
         )
@@ -101,9 +121,11 @@ narrow tubes are long, and close to each other at packings below 0.7.
             "H_T",
             "H_D",
             "viscosity, train",
+            "error",
             "law",
             "difference",
             "distance from the wall, r0",
+            "gap, r0",
             "left out by the degree, U",
         ),
         rows,

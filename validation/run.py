@@ -48,8 +48,8 @@ REFERENCE = HERE.parents[1] / "shared" / "reference"
 # What only runs when it is named.
 ON_REQUEST = ("breakup",)
 # Of docs/validation/data, what others found and what simulations left: kept by `--anew` as well.
-NOT_COMPUTED = ("paper-solver.toml", "capsules-published.json")
-SIMULATED = ("transients.json", "capsules-one.nc", "capsules-two.nc")
+NOT_COMPUTED = ("paper-solver.toml", "capsules-published.json", "capsules-others.json")
+SIMULATED = ("transients.json", *(f"capsules-{each}.nc" for each in ("one", "two", "checks")))
 
 
 def main() -> None:
