@@ -35,7 +35,9 @@ MAP_CASES = (
     (1e-2, 0.25, 1.0, 2.5),
     (1e-3, 0.1, 0.0, 1.6),
 )
-NUMBERS = tuple(range(11))
+#: Azimuthal numbers, and those of the narrow tubes alone, whose cells fold in many lobes.
+NUMBERS = tuple(range(15))
+LOBED = tuple(range(11, 15))
 #: Disturbances of higher numbers die out from cell to cell: two phases are enough.
 LOW_NUMBERS = (0, 1)
 CELLS = 8
@@ -191,14 +193,15 @@ def stability_map(page: Page) -> xr.Dataset:
             page.log(f"{speed:g} m/s, packing {packing:g}, D = {diameter:g}: {error}")
             continue
         start["base"] = found.fine
-        fine, coarse = _leading(found.fine), _leading(found.coarse)
-        for m in NUMBERS:
+        numbers = tuple(m for m in NUMBERS if m not in LOBED or diameter < NARROW)
+        fine, coarse = _leading(found.fine, numbers), _leading(found.coarse, numbers)
+        for m in numbers:
             kept["wave"].loc[{**place, "m": m}], value = fine[m][0], fine[m][1]
             kept["rate"].loc[{**place, "m": m}] = value.real
             kept["frequency"].loc[{**place, "m": m}] = value.imag
             kept["coarse_rate"].loc[{**place, "m": m}] = coarse[m][1].real
         _keep(kept, MAP, found.numbers(), place)
-        rates = " ".join(f"{fine[m][1].real:+.4f}" for m in NUMBERS)
+        rates = " ".join(f"{fine[m][1].real:+.4f}" for m in numbers)
         page.log(f"{speed:g} m/s, packing {packing:g}, D = {diameter:g}: {rates}")
     return _ended(kept, MAP, len(list(_walk())))
 
@@ -213,13 +216,13 @@ def _walk() -> Iterator[tuple[float, float, float, float, dict[str, Base]]]:
             yield speed, packing, diameter, grading, last
 
 
-def _leading(base: Base) -> dict[int, tuple[int, complex]]:
+def _leading(base: Base, numbers: tuple[int, ...]) -> dict[int, tuple[int, complex]]:
     """For each azimuthal number the wave of the fastest disturbance, and its eigenvalue."""
     found = {}
-    high = tuple(m for m in NUMBERS if m not in LOW_NUMBERS)
-    for numbers, waves in ((LOW_NUMBERS, range(CELLS // 2 + 1)), (high, (0, CELLS // 2))):
+    high = tuple(m for m in numbers if m not in LOW_NUMBERS)
+    for group, waves in ((LOW_NUMBERS, range(CELLS // 2 + 1)), (high, (0, CELLS // 2))):
         phases = [2.0 * np.pi * j / CELLS for j in waves]
-        for m, blocks in linear_blocks(base, phases, numbers).items():
+        for m, blocks in linear_blocks(base, phases, group).items():
             values = [
                 growing_eigenvalues(block, neutral_space(base, m, 0 if q == 0.0 else 1))[0]
                 for q, block in zip(phases, blocks, strict=True)
