@@ -16,6 +16,7 @@ ROOMS = (
     "xla_flags",
     "environment",
     "extras",
+    "later",
     "clock",
     "interruption",
     "runtime",

@@ -5,11 +5,11 @@ from typing import NoReturn
 
 from rich.console import Console
 
+from celltrain import __version__
 from celltrain.contract import Draw, Presentation
 from celltrain.contract.status import ExitStatus
 from celltrain.parameters import CaseError
 from celltrain.results import Plain, plain
-from celltrain.results.version import version
 from celltrain.study.sampling.result import SampleResult
 
 
@@ -47,7 +47,7 @@ class SamplePresentation(Presentation[SampleResult]):
             for status in ("finished", "failed", "not computed")
         }
         return {
-            "version": version(),
+            "version": __version__,
             "kind": result.kind,
             **content,
             "trains": counts,

@@ -5,11 +5,11 @@ from typing import NoReturn
 
 from rich.console import Console
 
+from celltrain import __version__
 from celltrain.contract import Draw, Presentation
 from celltrain.contract.status import ExitStatus
 from celltrain.parameters import CaseError
 from celltrain.results import Plain, plain
-from celltrain.results.version import version
 from celltrain.study import StudyResult
 
 
@@ -40,7 +40,7 @@ class StudyPresentation(Presentation[StudyResult]):
         """The table's content by columns."""
         content = plain(result.data.to_dict(encoding=False))
         assert isinstance(content, dict)
-        return {"version": version(), "kind": result.kind, **content}
+        return {"version": __version__, "kind": result.kind, **content}
 
     @classmethod
     def pictures(cls, result: StudyResult) -> Mapping[str, Draw]:

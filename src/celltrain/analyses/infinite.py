@@ -115,4 +115,4 @@ class InfiniteStability(OfDynamics[InfiniteTrain]):
         """The dispersion curves."""
         from celltrain.pictures import draw_dispersion
 
-        return {"dispersion": lambda path: draw_dispersion(result, path)}
+        return {"dispersion": lambda: draw_dispersion(result)}

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, TypeVar
 
 from cyclopts import Parameter
-from rich.console import Console
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -18,7 +17,7 @@ from rich.progress import (
 from rich.progress import Progress as Bar
 
 from celltrain.cli.arguments import Quiet
-from celltrain.cli.keeping import reason
+from celltrain.cli.keeping import ERRORS, reason, say
 from celltrain.cli.options import reader
 from celltrain.contract.status import ComputationFailed, ExitStatus
 from celltrain.interruption import kept_by
@@ -69,7 +68,7 @@ class StudyRun:
     quiet: Quiet = False
 
 
-def compute(study: Study, run: StudyRun, errors: Console) -> dict[tuple[int, ...], CaseRecord]:
+def compute(study: Study, run: StudyRun) -> dict[tuple[int, ...], CaseRecord]:
     """Run or resume a study; returns the records by the cases' indices.
 
     `run.folder` is there.
@@ -92,10 +91,10 @@ def compute(study: Study, run: StudyRun, errors: Console) -> dict[tuple[int, ...
         )
 
     total = len(study.cases)
-    return _kept_going(on_workers, run, total, _Show(study.title, total, run, errors))
+    return _kept_going(on_workers, run, total, _Show(study.title, total, run))
 
 
-def compute_sample(study: SampledStudy, run: StudyRun, errors: Console) -> Sampled:
+def compute_sample(study: SampledStudy, run: StudyRun) -> Sampled:
     """The same for a study of distributions.
 
     Raises:
@@ -115,7 +114,7 @@ def compute_sample(study: SampledStudy, run: StudyRun, errors: Console) -> Sampl
         except NoCentralTrain as error:
             raise ComputationFailed(str(error)) from None
 
-    show = _Show(study.title, study.total, run, errors, many=True)
+    show = _Show(study.title, study.total, run, many=True)
     return _kept_going(on_workers, run, study.total, show)
 
 
@@ -162,10 +161,8 @@ class _Show:
     Of many cases only those that fail have a line of their own, and each tenth of all.
     """
 
-    def __init__(
-        self, title: str, total: int, run: StudyRun, errors: Console, *, many: bool = False
-    ) -> None:
-        self._errors, self._quiet, self._many = errors, run.quiet, many
+    def __init__(self, title: str, total: int, run: StudyRun, *, many: bool = False) -> None:
+        self._quiet, self._many = run.quiet, many
         self._tenth = 0
         self._bar = Bar(
             TextColumn("{task.description}"),
@@ -175,9 +172,9 @@ class _Show:
             TimeElapsedColumn(),
             TextColumn("left"),
             TimeRemainingColumn(),
-            console=errors,
+            console=ERRORS,
             transient=True,
-            disable=run.quiet or not errors.is_terminal,
+            disable=run.quiet or not ERRORS.is_terminal,
             speed_estimate_period=SPEED_PERIOD,
         )
         self._task = self._bar.add_task(title, total=total, note="")
@@ -195,17 +192,14 @@ class _Show:
         if self._quiet:
             return
         if not progress.ended:
-            self._print(f"{done} of {progress.total} cases were there already")
+            say(f"{done} of {progress.total} cases were there already")
         for case, record in progress.ended:
             if record.status == "failed":
-                self._print(f"{done}/{progress.total}  {case}: failed: {record.reason}")
+                say(f"{done}/{progress.total}  {case}: failed: {record.reason}")
             elif not self._many:
                 alpha = record.values.get("spectral_abscissa")
-                self._print(f"{done}/{progress.total}  {case}: alpha {alpha:.2e}")
+                say(f"{done}/{progress.total}  {case}: alpha {alpha:.2e}")
         tenth = 10 * done // progress.total
         if self._many and progress.ended and tenth > self._tenth:
-            self._print(f"{done}/{progress.total}")
+            say(f"{done}/{progress.total}")
         self._tenth = tenth
-
-    def _print(self, line: str) -> None:
-        self._errors.print(line, highlight=False, markup=False, soft_wrap=True)

@@ -17,8 +17,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+from celltrain import __version__
 from celltrain.parameters import CaseError, Train
-from celltrain.results.version import version
 from celltrain.study.sampling.draws import DrawRecord
 
 #: Name of the file.
@@ -46,7 +46,7 @@ class DrawStore:
     def __init__(self, connection: sqlite3.Connection, settings: Mapping[str, object]) -> None:
         self._connection = connection
         self._settings = dict(settings)
-        self._version = version()
+        self._version = __version__
 
     def address(self, train: Train, *, checked: bool) -> str:
         """The train's address, 24 hexadecimal digits; scales are left out."""
