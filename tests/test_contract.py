@@ -92,7 +92,7 @@ class TrainSlip(OfStability[Slip]):
 
     @classmethod
     def pictures(cls, result: Slip) -> Mapping[str, Draw]:
-        def draw(path):
+        def draw():
             figure = Figure()
             figure.subplots().plot([0.0, result.slip])
             figure.savefig(path)

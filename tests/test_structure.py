@@ -17,6 +17,7 @@ ROOMS = (
     "environment",
     "extras",
     "later",
+    "version",
     "clock",
     "interruption",
     "runtime",

@@ -5,12 +5,12 @@ from typing import NoReturn
 
 from rich.console import Console
 
-from celltrain import __version__
 from celltrain.contract import Draw, Presentation
 from celltrain.paper import FIGURES, findings_table
 from celltrain.paper.figure_data import FigureData
 from celltrain.parameters import CaseError
 from celltrain.results import Plain, plain
+from celltrain.version import __version__
 
 
 class FigurePresentation(Presentation[FigureData]):

@@ -5,12 +5,12 @@ from typing import NoReturn
 
 from rich.console import Console
 
-from celltrain import __version__
 from celltrain.contract import Draw, Presentation
 from celltrain.contract.status import ExitStatus
 from celltrain.parameters import CaseError
 from celltrain.results import Plain, plain
 from celltrain.study import StudyResult
+from celltrain.version import __version__
 
 
 class StudyPresentation(Presentation[StudyResult]):

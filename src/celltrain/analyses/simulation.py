@@ -9,7 +9,6 @@ from typing import Annotated
 import numpy as np
 from rich.console import Console
 
-from celltrain import __version__
 from celltrain.contract import Draw, Progress, Setting
 from celltrain.contract.analysis import WrittenMeanwhile
 from celltrain.contract.status import ComputationFailed, ExitStatus
@@ -38,6 +37,7 @@ from celltrain.parameters.errors import called
 from celltrain.results import Plain, plain
 from celltrain.stability import Stability, check_linearisable, stability
 from celltrain.steady import Base, steady
+from celltrain.version import __version__
 
 DEFAULT_AMPLITUDE = 0.1
 # Nothing else can be told until the first step is done.

@@ -1,10 +1,10 @@
 """All sources by their keys; `docs/bibliography.md` is made from them."""
 
-from celltrain import __version__
 from celltrain.citation.analysis import ANALYSIS
 from celltrain.citation.comparisons import COMPARISONS
 from celltrain.citation.membranes_and_flow import MEMBRANES_AND_FLOW
 from celltrain.citation.source import Source
+from celltrain.version import __version__
 
 SOFTWARE = Source(
     key="celltrain",

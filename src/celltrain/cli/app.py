@@ -14,13 +14,13 @@ from pathlib import Path
 
 from cyclopts import App, CycloptsError
 
-from celltrain import __version__
 from celltrain.cli.keeping import reason, say
 from celltrain.contract.catalogue import TAKEN, first_line, first_lines
 from celltrain.contract.status import ComputationFailed, ExitStatus
 from celltrain.environment import UnsuitableSetting
 from celltrain.extras import MissingExtra
 from celltrain.parameters import CaseError
+from celltrain.version import __version__
 
 
 def _commands() -> dict[str, tuple[str, str]]:

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from rich.table import Table
 from rich.text import Text
 
-from celltrain import __version__
 from celltrain.parameters import relative_volume
 from celltrain.quantities import quantity_of
 from celltrain.steady import Base
+from celltrain.version import __version__
 
 # Rates (U/r0) below this are rounding errors of the eigenvalue solver.
 ROUNDING = 1e-10

@@ -44,6 +44,7 @@ from celltrain.results.version import version
 from celltrain.stability import InfiniteTrain, Stability, TransientGrowth
 from celltrain.steady import Base
 from celltrain.study import SampleResult, StudyResult
+from celltrain.version import __version__
 
 ASSETS = Path(__file__).parent / "assets"
 SCRIPTS = ("harmonics.js", "film.js", "stage.js", "player.js", "numbers.js", "keys.js", "page.js")

@@ -7,11 +7,11 @@ from typing import TypeVar
 
 import xarray as xr
 
-from celltrain import __version__
 from celltrain.quantities import Record
 from celltrain.results.columns import from_variables, to_variables
 from celltrain.results.labelled import Labelled
 from celltrain.results.replace import replace_file
+from celltrain.version import __version__
 
 #: Number of the files' form: it grows when older files cannot be read any longer.
 FORM = 2

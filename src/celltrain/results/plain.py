@@ -7,10 +7,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from celltrain import __version__
 from celltrain.parameters import Train
 from celltrain.quantities import Record
 from celltrain.quantities.fields import hints, properties
+from celltrain.version import __version__
 
 #: What JSON can hold.
 Plain: TypeAlias = bool | int | float | str | Sequence[object] | Mapping[str, object] | None

@@ -14,11 +14,11 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from celltrain import __version__
 from celltrain.parameters import Train
 from celltrain.results import read, remove_leftovers, replace_file, save
 from celltrain.steady import Base
 from celltrain.study.computation import Outcome
+from celltrain.version import __version__
 
 
 class CaseRecord(BaseModel):

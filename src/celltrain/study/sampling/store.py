@@ -17,9 +17,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from celltrain import __version__
 from celltrain.parameters import CaseError, Train
 from celltrain.study.sampling.draws import DrawRecord
+from celltrain.version import __version__
 
 #: Name of the file.
 FILE = "trains.sqlite"
