@@ -180,3 +180,13 @@ def test_turning_is_rigid() -> None:
     shape = np.random.default_rng(0).normal(size=(2, 3, 36))
     np.testing.assert_allclose(turned(turned(shape, 0.4), -0.4), shape, atol=1e-14)
     np.testing.assert_allclose(turned(shape, np.pi / 2)[:, 1], shape[:, 0], atol=1e-14)
+
+
+def test_a_picture_has_its_own_style(make_base: Callable[..., Base]) -> None:
+    with mpl.rc_context({"xtick.direction": "out", "axes.titlesize": 30, "figure.dpi": 50}):
+        figure = draw_profile(make_base())
+        assert mpl.rcParams["axes.titlesize"] == 30
+    [axes] = figure.axes
+    assert figure.dpi == 200
+    assert axes.xaxis.get_major_ticks()[0].get_tickdir() == "in"
+    assert axes.get_title(loc="left").startswith("$D$ = ")

@@ -1,8 +1,8 @@
 """The run of a study from the command line, with live progress: what sweeps and figures share."""
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, TypeVar
 
@@ -28,7 +28,6 @@ from celltrain.study import (
     StabilityOfCase,
     Study,
     StudyProgress,
-    Workers,
     WorkersLost,
     local_workers,
     run_study,
@@ -38,7 +37,6 @@ from celltrain.study.sampling.definition import SampledStudy
 from celltrain.study.sampling.engine import NoCentralTrain, Sampled, run_sample
 
 Found = TypeVar("Found")
-Tell = Callable[[StudyProgress], None]
 
 # Cases take minutes, so the time left follows from the last hour.
 SPEED_PERIOD = 3600.0
@@ -77,21 +75,9 @@ def compute(study: Study, run: StudyRun) -> dict[tuple[int, ...], CaseRecord]:
         CaseError: for workers that are not allowed.
         ComputationFailed, KeyboardInterrupt: with what is kept as the message.
     """
-    computation = StabilityOfCase(study.computed)
-
-    def on_workers(workers: Workers, tell: Tell) -> dict[tuple[int, ...], CaseRecord]:
-        return run_study(
-            study,
-            run.folder.absolute(),
-            computation,
-            workers.executor,
-            workers.slots,
-            retry=run.retry,
-            progress=tell,
-        )
-
-    total = len(study.cases)
-    return _kept_going(on_workers, run, total, _Show(study.title, total, run))
+    folder, computation = run.folder.absolute(), StabilityOfCase(study.computed)
+    show = _Show(study.title, len(study.cases), run)
+    return _kept_going(partial(run_study, study, folder, computation), run, show)
 
 
 def compute_sample(study: SampledStudy, run: StudyRun) -> Sampled:
@@ -100,59 +86,34 @@ def compute_sample(study: SampledStudy, run: StudyRun) -> Sampled:
     Raises:
         CaseError, ComputationFailed, KeyboardInterrupt: as `compute`.
     """
-
-    def on_workers(workers: Workers, tell: Tell) -> Sampled:
-        try:
-            return run_sample(
-                study,
-                run.folder.absolute(),
-                workers.executor,
-                workers.slots,
-                retry=run.retry,
-                progress=tell,
-            )
-        except NoCentralTrain as error:
-            raise ComputationFailed(str(error)) from None
-
     show = _Show(study.title, study.total, run, many=True)
-    return _kept_going(on_workers, run, study.total, show)
+    try:
+        return _kept_going(partial(run_sample, study, run.folder.absolute()), run, show)
+    except NoCentralTrain as error:
+        raise ComputationFailed(str(error)) from None
 
 
-def _kept_going(
-    on_workers: "Callable[[Workers, Tell], Found]", run: StudyRun, total: int, show: "_Show"
-) -> "Found":
+def _kept_going(on_workers: Callable[..., Found], run: StudyRun, show: "_Show") -> Found:
     """Run what workers do, with progress; whatever stops it says what is kept."""
     if run.workers is not None and run.scheduler is not None:
         raise CaseError("workers and scheduler are not allowed together: give one of them")
-    last: list[StudyProgress] = []
+    found = scheduled_workers(run.scheduler) if run.scheduler else local_workers(run.workers)
 
     def kept() -> str:
-        finished = last[0].finished if last else 0
         return (
-            f"{finished} of {total} cases are finished and kept in {run.folder};"
+            f"{show.finished} of {show.total} cases are finished and kept in {run.folder};"
             " the same command goes on with the others"
         )
 
-    def tell(progress: StudyProgress) -> None:
-        last[:] = [progress]
-        show(progress)
-
     try:
-        with kept_by(kept), _workers(run) as workers, show:
-            return on_workers(workers, tell)
-    except (KeyboardInterrupt, WorkersLost, NotKept, OSError) as stopped:
-        if isinstance(stopped, KeyboardInterrupt):
-            raise KeyboardInterrupt(kept()) from None
-        if isinstance(stopped, WorkersLost):
-            raise ComputationFailed(f"{stopped}; {kept()}", ExitStatus.NOT_KEPT) from None
-        raise ComputationFailed(
-            f"{str(run.folder)!r} could not be written: {reason(stopped)}; {kept()}",
-            ExitStatus.NOT_KEPT,
-        ) from None
-
-
-def _workers(run: StudyRun) -> AbstractContextManager[Workers]:
-    return scheduled_workers(run.scheduler) if run.scheduler else local_workers(run.workers)
+        with kept_by(kept), found as workers, show:
+            return on_workers(workers.executor, workers.slots, retry=run.retry, progress=show)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(kept()) from None
+    except (WorkersLost, NotKept, OSError) as stopped:
+        words = f"{str(run.folder)!r} could not be written: {reason(stopped)}"
+        words = str(stopped) if isinstance(stopped, WorkersLost) else words
+        raise ComputationFailed(f"{words}; {kept()}", ExitStatus.NOT_KEPT) from None
 
 
 class _Show:
@@ -162,6 +123,7 @@ class _Show:
     """
 
     def __init__(self, title: str, total: int, run: StudyRun, *, many: bool = False) -> None:
+        self.total, self.finished = total, 0
         self._quiet, self._many = run.quiet, many
         self._tenth = 0
         self._bar = Bar(
@@ -186,6 +148,7 @@ class _Show:
         self._bar.stop()
 
     def __call__(self, progress: StudyProgress) -> None:
+        self.finished = progress.finished
         done = progress.finished + progress.failed
         note = f"{progress.failed} failed" if progress.failed else ""
         self._bar.update(self._task, completed=done, note=note)
