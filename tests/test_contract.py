@@ -95,8 +95,7 @@ class TrainSlip(OfStability[Slip]):
         def draw():
             figure = Figure()
             figure.subplots().plot([0.0, result.slip])
-            figure.savefig(path)
-            return path
+            return figure
 
         return {"slip": draw}
 '''
