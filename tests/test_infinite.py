@@ -198,7 +198,7 @@ def test_command(curves, monkeypatch, tmp_path, capsys) -> None:
 def test_command_refuses(capsys) -> None:
     case = ["infinite", "--diameter", "6", "--packing", "0.2"]
     assert main([*case, "--phase", "4"]) == 2
-    assert "phases = 4 is not allowed" in capsys.readouterr().err
+    assert "phase = 4 is not allowed" in capsys.readouterr().err
     assert main([*case, "--degree", "12", "--azimuthal-numbers", "13"]) == 2
     assert "azimuthal_numbers = 13" in capsys.readouterr().err
     assert main([*case, "--error-bars", "2"]) == 2
