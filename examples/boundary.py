@@ -37,7 +37,7 @@ def main(folder: Path = Path("out/boundary")) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     output = Console()
     train = Train(diameter=6, packing=PACKING, cells=2, degree=DEGREE)
-    with Reporter(Console(stderr=True), quiet=False) as reporter:
+    with Reporter() as reporter:
         start = steady(train, progress=reporter.iteration)
 
     def show(point: BoundaryPoint) -> None:
@@ -55,7 +55,8 @@ def main(folder: Path = Path("out/boundary")) -> None:
         progress=show,
     )
     output.print(found.ending.message)
-    pictures = [draw_stability_boundary({"all cells alike": found}, folder / "boundary.png")]
+    pictures = [folder / "boundary.png"]
+    draw_stability_boundary({"all cells alike": found}).savefig(pictures[0])
     pictures.append(certainty(start, folder, output))
     for path in pictures:
         output.print(str(path), highlight=False)
@@ -71,7 +72,9 @@ def certainty(base: Base, folder: Path, output: Console) -> Path:
             f" {bar.mode.growth_rate:+.5f}, error {bar.total:.5f} U/r0",
             highlight=False,
         )
-    return draw_error_bars(result, folder / "error_bars.png")
+    path = folder / "error_bars.png"
+    draw_error_bars(result).savefig(path)
+    return path
 
 
 if __name__ == "__main__":

@@ -16,8 +16,6 @@ Run time. A minute and a half: the degree rises to 64.
 Command. ``python examples/capillary.py``
 """
 
-from rich.console import Console
-
 from celltrain import Base, Stability, Train, stability
 from celltrain.cli.progress import Reporter
 from celltrain.diagnostics import discharge_haematocrit, in_vitro_viscosity, lubricated
@@ -79,7 +77,7 @@ def main() -> None:
         packing=CELL_RADIUS / SPACING,
         cells=8,
     )
-    with Reporter(Console(stderr=True), quiet=False) as reporter:
+    with Reporter() as reporter:
         result = stability(train, iteration=reporter.iteration, tell=reporter.log)
     print(describe(result.base))
     print(order(result))

@@ -13,8 +13,6 @@ Command. ``python examples/continuation.py``; the table goes to standard output.
 printed what it found.
 """
 
-from rich.console import Console
-
 from celltrain import Base, Stability, Train, stability, steady
 from celltrain.cli.progress import Reporter
 from celltrain.continuation import BranchPoint, Steps, branch
@@ -40,7 +38,7 @@ def show(point: BranchPoint) -> None:
 
 def main() -> None:
     train = Train(diameter=6, packing=0.2, cells=8, degree=12)
-    with Reporter(Console(stderr=True), quiet=False) as reporter:
+    with Reporter() as reporter:
         start = steady(train, progress=reporter.iteration)
     print("".join(f"{name:>10}" for name in HEAD))
     steps = Steps(first=0.2, largest=0.4)

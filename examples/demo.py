@@ -51,9 +51,9 @@ AMPLITUDE, UNTIL = 0.05, 240.0
 SMALL = 0.1
 
 
-def compute(train: Train, start: Base | None, errors: Console) -> Stability:
+def compute(train: Train, start: Base | None) -> Stability:
     """The steady train and its stability, with progress on standard error."""
-    with Reporter(errors, quiet=False) as reporter:
+    with Reporter() as reporter:
         reporter.log(f"packing {train.packing:g}: steady train, then its linear dynamics")
         return stability(
             train,
@@ -64,21 +64,21 @@ def compute(train: Train, start: Base | None, errors: Console) -> Stability:
         )
 
 
-def keep(result: Stability, folder: Path, errors: Console) -> list[Path]:
+def keep(result: Stability, folder: Path) -> list[Path]:
     """Save a result and its pictures; returns the files."""
-    with Reporter(errors, quiet=False) as reporter:
+    with Reporter() as reporter:
         reporter.log(f"pictures for packing {result.base.train.packing:g}")
         folder.mkdir(parents=True, exist_ok=True)
         return [save(result, folder / "result.nc"), *draw_all(result, folder)]
 
 
-def simulate(path: Path, errors: Console) -> Run:
+def simulate(path: Path) -> Run:
     """A disturbed train in time, in a file that is whole at every moment."""
-    with Reporter(errors, quiet=False) as reporter:
+    with Reporter() as reporter:
         reporter.log(f"simulation of {SIMULATED.cells} cells: steady train, linear dynamics, march")
         start = stability(SIMULATED, azimuthal_numbers=(0, 1, 2), estimate_error=False)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with Reporter(errors, quiet=False) as progress:
+    with Reporter() as progress:
         return evolve(
             start,
             Leading(AMPLITUDE),
@@ -128,12 +128,12 @@ def _beside_theory(run: Run) -> str:
 
 
 def main(folder: Path = Path("out/demo")) -> None:
-    errors, output = Console(stderr=True), Console()
+    output = Console()
     train = Train(diameter=6, packing=0.2, cells=8)
-    sparse = compute(train, None, errors)
-    dense = compute(train.changed(packing=0.5), sparse.base, errors)
+    sparse = compute(train, None)
+    dense = compute(train.changed(packing=0.5), sparse.base)
     simulation = folder / "simulation"
-    run = simulate(simulation / "run.nc", errors)
+    run = simulate(simulation / "run.nc")
     for result in (sparse, dense):
         show(result, output)
         output.print()
@@ -141,7 +141,7 @@ def main(folder: Path = Path("out/demo")) -> None:
     output.print(comparison(sparse, dense, run))
     for result in (sparse, dense):
         place = folder / f"phi-{result.base.train.packing:g}"
-        for path in keep(result, place, errors):
+        for path in keep(result, place):
             output.print(str(path), highlight=False, soft_wrap=True)
     for path in draw_all(run, simulation):
         output.print(str(path), highlight=False, soft_wrap=True)

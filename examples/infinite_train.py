@@ -35,7 +35,7 @@ def main(folder: Path = Path("out/infinite_train")) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for packing in (0.2, 0.5):
         train = Train(diameter=6, packing=packing)
-        with Reporter(Console(stderr=True), quiet=False) as reporter:
+        with Reporter() as reporter:
             reporter.log(f"packing {packing:g}")
             result = infinite_train(
                 train, start=start, iteration=reporter.iteration, tell=reporter.log
@@ -44,7 +44,9 @@ def main(folder: Path = Path("out/infinite_train")) -> None:
         show(result, output)
         name = f"phi-{packing:g}"
         save(result, folder / f"{name}.nc")
-        output.print(str(draw_dispersion(result, folder / f"{name}.png")), highlight=False)
+        path = folder / f"{name}.png"
+        draw_dispersion(result).savefig(path)
+        output.print(str(path), highlight=False)
         uniform(start, output)
 
 

@@ -42,7 +42,7 @@ def main(folder: Path = Path("out/mechanisms")) -> None:
     output, curves = Console(), {}
     for packing in PACKINGS:
         train = Train(diameter=6, packing=packing, cells=8)
-        with Reporter(Console(stderr=True), quiet=False) as reporter:
+        with Reporter() as reporter:
             reporter.log(f"packing {packing:g}")
             result = stability(train, iteration=reporter.iteration, tell=reporter.log)
         name = f"packing {packing:g}"
@@ -51,11 +51,12 @@ def main(folder: Path = Path("out/mechanisms")) -> None:
         curves[name] = [growth_without_neighbours(result, n) for n in range(5)]
         part = folder / f"phi-{packing:g}"
         part.mkdir(exist_ok=True)
-        draw_strain_energies(found, part / "strain_energies.png")
-        draw_deformation_spectra(found, part / "spectra.png")
-        draw_mode_motions(found, part / "motions.png")
+        draw_strain_energies(found).savefig(part / "strain_energies.png")
+        draw_deformation_spectra(found).savefig(part / "spectra.png")
+        draw_mode_motions(found).savefig(part / "motions.png")
         streamlines(result.base, part, output)
-    output.print(str(draw_growth_without_neighbours(curves, folder / "neighbours.png")))
+    draw_growth_without_neighbours(curves).savefig(folder / "neighbours.png")
+    output.print(str(folder / "neighbours.png"))
 
 
 def describe(found: Mechanisms, name: str, output: Console) -> None:
@@ -83,7 +84,7 @@ def streamlines(base: Base, folder: Path, output: Console) -> None:
         f" {len(found.stagnation_points)} points of rest there",
         highlight=False,
     )
-    draw_streamlines(base, flow, folder / "streamlines.png")
+    draw_streamlines(base, flow).savefig(folder / "streamlines.png")
 
 
 if __name__ == "__main__":

@@ -23,7 +23,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
 from celltrain import Stability, Train, stability, steady
 from celltrain.cli.progress import Reporter
@@ -44,7 +43,7 @@ HEAD = ("m", "j", "alpha", "eta", "K", "max growth")
 
 def main(folder: Path = Path("out/pseudospectrum")) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    with Reporter(Console(stderr=True), quiet=False) as reporter:
+    with Reporter() as reporter:
         train = Train(diameter=6, packing=0.2, cells=8, degree=12)
         base = steady(train, progress=reporter.iteration)
         result = stability(
@@ -60,7 +59,7 @@ def main(folder: Path = Path("out/pseudospectrum")) -> None:
             largest = propagator_norm(shifted, TIMES).max()
             rates = f"{found.spectral_abscissa:12.5f}{found.numerical_abscissa:12.4f}"
             print(f"{m:12d}{j:12d}{rates}{found.kreiss.constant:12.4f}{largest:12.4f}", flush=True)
-            draw_pseudospectrum(found, folder / f"pseudospectrum-m{m}-j{j}.png")
+            draw_pseudospectrum(found).savefig(folder / f"pseudospectrum-m{m}-j{j}.png")
     leading = result.leading
     place = structural_sensitivity(result, leading)
     print(
@@ -73,7 +72,8 @@ def main(folder: Path = Path("out/pseudospectrum")) -> None:
     for name, shapes in (("itself", result.shape(leading)), ("v_eta", result.transient_shape())):
         # Both have the same size.
         print(f"amplitude of the leading mode in {name}: {receptivity_of(result, shapes):.4f}")
-    print(draw_structural_sensitivity(place, folder / "structural_sensitivity.png"))
+    draw_structural_sensitivity(place).savefig(folder / "structural_sensitivity.png")
+    print(folder / "structural_sensitivity.png")
 
 
 def receptivity_of(result: Stability, shapes: np.ndarray) -> float:

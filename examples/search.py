@@ -31,7 +31,7 @@ TRAIN = Train(diameter=6, packing=0.2, cells=1, degree=8)
 def main(folder: Path = Path("out/search")) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     output, done = Console(), list[SearchTry]()
-    with Reporter(Console(stderr=True), quiet=False) as reporter:
+    with Reporter() as reporter:
         known = steady(TRAIN, progress=reporter.iteration)
 
         def tell(each: SearchTry) -> None:
@@ -40,7 +40,8 @@ def main(folder: Path = Path("out/search")) -> None:
 
         found = search_trains(known, progress=tell)
     show(found, output)
-    output.print(str(draw_search(found, folder / "search.png")), highlight=False)
+    draw_search(found).savefig(folder / "search.png")
+    output.print(str(folder / "search.png"), highlight=False)
 
 
 if __name__ == "__main__":

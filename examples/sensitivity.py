@@ -19,8 +19,6 @@ to out/sensitivity unless told otherwise. ``celltrain sensitivity`` does one cas
 import sys
 from pathlib import Path
 
-from rich.console import Console
-
 from celltrain import Base, Train, stability, steady
 from celltrain.cli.progress import Reporter
 from celltrain.pictures import draw_parameter_sensitivities
@@ -40,12 +38,12 @@ def growth_rate(base: Base) -> float:
 def main(folder: Path = Path("out/sensitivity")) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     train = Train(diameter=6, packing=0.2, cells=8, degree=12)
-    with Reporter(Console(stderr=True), quiet=False) as reporter:
+    with Reporter() as reporter:
         base = steady(train, progress=reporter.iteration)
         result = stability(base, azimuthal_numbers=[1], estimate_error=False)
         reporter.log("derivatives")
         found = parameter_sensitivities(result)
-    draw_parameter_sensitivities(found, folder / "parameter_sensitivities.png")
+    draw_parameter_sensitivities(found).savefig(folder / "parameter_sensitivities.png")
     print("".join(f"{name:>20}" for name in HEAD))
     for name, entry in found.entries.items():
         numbers = (entry.growth_rate, entry.relative, entry.base.cell_velocity)

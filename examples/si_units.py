@@ -16,8 +16,6 @@ Command. ``python examples/si_units.py``
 
 import math
 
-from rich.console import Console
-
 from celltrain import Stability, Train, stability
 from celltrain.cli.progress import Reporter
 
@@ -63,7 +61,7 @@ def main() -> None:
         packing=packing(),
         cells=8,
     )
-    with Reporter(Console(stderr=True), quiet=False) as reporter:
+    with Reporter() as reporter:
         reporter.log(f"diameter {train.tube.diameter:.4g} r0, packing {train.packing:.3f}")
         result = stability(train, iteration=reporter.iteration, tell=reporter.log)
     print(describe(result))

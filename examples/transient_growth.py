@@ -23,7 +23,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
 from celltrain import Train, stability
 from celltrain.cli.progress import Reporter
@@ -40,7 +39,7 @@ def main(folder: Path = Path("out/transient_growth")) -> None:
     print("".join(f"{name:>12}" for name in HEAD))
     for degree in DEGREES:
         train = Train(diameter=6, packing=0.2, cells=8, degree=degree)
-        with Reporter(Console(stderr=True), quiet=False) as reporter:
+        with Reporter() as reporter:
             reporter.log(f"degree {degree}")
             result = stability(
                 train,
@@ -61,7 +60,8 @@ def main(folder: Path = Path("out/transient_growth")) -> None:
                 flush=True,
             )
             if degree == DEGREES[-1] and norm.name == "paper":
-                print(draw_transient_growth(growth, folder / "transient_growth.png"))
+                draw_transient_growth(growth).savefig(folder / "transient_growth.png")
+                print(folder / "transient_growth.png")
 
 
 if __name__ == "__main__":

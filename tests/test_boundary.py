@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drawn import saved
 
 from celltrain import Base, CaseError, Train, steady
 from celltrain.continuation import BoundaryPoint, Steps, boundary, stability_boundary
@@ -55,7 +56,7 @@ def test_the_curve_is_followed_to_the_side_asked_for(
             assert abs(each.mode.growth_rate) < 1e-10
         along = np.array([getattr(each, towards) for each in found.points])
         assert (np.diff(along) * (1.0 if rising else -1.0) > 0.0).all()
-    picture = draw_stability_boundary({"tilt": found}, tmp_path / "boundary.png")
+    picture = saved(draw_stability_boundary({"tilt": found}), tmp_path / "boundary.png")
     assert picture.stat().st_size > 10_000
 
 

@@ -237,7 +237,7 @@ def test_command(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--along", "cells", "--to", "2"], "parameter = 'cells' is not allowed"),
+        (["--along", "cells", "--to", "2"], "along = 'cells' is not allowed"),
         (["--along", "packing", "--to", "8"], "packing = 8"),
         (["--along", "packing", "--from", "0.3", "--to", "0.3"], "to = 0.3 is not allowed"),
         (["--along", "packing", "--from", "-1", "--to", "0.3"], "packing = -1"),

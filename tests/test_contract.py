@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose
 from celltrain import Base, CaseError, load, save, steady
 from celltrain.analyses.base import SteadyTrain
 from celltrain.cli import main
-from celltrain.cli.app import OTHERS
+from celltrain.cli.app import COMMANDS
 from celltrain.cli.computations import settings_class
 from celltrain.continuation import BoundaryPoint, CurveEnding, StabilityBoundary
 from celltrain.contract import (
@@ -92,11 +92,10 @@ class TrainSlip(OfStability[Slip]):
 
     @classmethod
     def pictures(cls, result: Slip) -> Mapping[str, Draw]:
-        def draw(path):
+        def draw():
             figure = Figure()
             figure.subplots().plot([0.0, result.slip])
-            figure.savefig(path)
-            return path
+            return figure
 
         return {"slip": draw}
 '''
@@ -330,7 +329,7 @@ def test_a_case_file_in_si_has_both_ends_of_a_branch_in_si(
 
 
 def test_names_that_are_taken(tmp_path: Path) -> None:
-    assert set(TAKEN) == set(OTHERS)
+    assert set(TAKEN) == {*COMMANDS} - {*commands()}
     (tmp_path / "show.py").write_text(OWN)
     (tmp_path / "bytes.py").write_bytes(b"\xff\xfe\x00class")
     (tmp_path / ".#own.py").symlink_to("what an editor keeps beside an open file")

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drawn import saved
 from numpy.testing import assert_allclose
 from rich.console import Console
 
@@ -129,10 +130,10 @@ def test_bars_are_kept_and_shown(coarse_stability: Stability, tmp_path: Path) ->
 
 
 def test_picture(coarse_stability: Stability, tmp_path: Path) -> None:
-    path = draw_error_bars(with_bars(coarse_stability, [0.01, 0.002]), tmp_path / "bars.png")
+    path = saved(draw_error_bars(with_bars(coarse_stability, [0.01, 0.002])), tmp_path / "bars.png")
     assert path.stat().st_size > 10_000
     with pytest.raises(CaseError, match="without error bars"):
-        draw_error_bars(coarse_stability, path)
+        draw_error_bars(coarse_stability).savefig(path)
 
 
 def test_what_is_refused(coarse_stability: Stability, capsys: pytest.CaptureFixture[str]) -> None:

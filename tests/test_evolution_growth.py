@@ -5,13 +5,22 @@ Of one cell in a period, coarse: what is exact must hold for it, too.
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import Base, Stability, Train, evolve, stability, steady
-from celltrain.evolution import FastestAtFirst, Leading, RandomDisplacement, RungeKuttaChebyshev
+from celltrain.evolution import (
+    Disturbance,
+    FastestAtFirst,
+    FromFile,
+    Leading,
+    NumberedMode,
+    RandomDisplacement,
+    RungeKuttaChebyshev,
+)
 
 # Large enough for nothing else to matter, small enough for the linear theory.
 SMALL = 1e-3
@@ -95,3 +104,18 @@ def test_half_the_tolerance_changes_the_size_by_less_than_the_tolerance(calm: Ba
     for tolerance, one, half in zip(tolerances, eps, eps[1:], strict=False):
         change = np.abs(half / one - 1.0).max()
         assert 1e-3 * tolerance < change < tolerance
+
+
+@pytest.mark.parametrize(
+    ("disturbance", "words"),
+    [
+        (Leading(0.1), "the leading mode, eps 0.1 r0"),
+        (NumberedMode(2, 0.1, phase=0.5), "mode 2, eps 0.1 r0, phase 0.5"),
+        (FastestAtFirst(1e-3), "what grows fastest at first, eps 0.001 r0"),
+        (RandomDisplacement(0.1, seed=3), "random displacements, seed 3, eps 0.1 r0"),
+        (FromFile(Path("run.nc")), "that of run.nc"),
+        (FromFile(Path("run.nc"), 0.2), "that of run.nc, eps 0.2 r0"),
+    ],
+)
+def test_disturbances_are_told_in_words(disturbance: Disturbance, words: str) -> None:
+    assert str(disturbance) == words

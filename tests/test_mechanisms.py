@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drawn import saved
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability
@@ -61,7 +62,7 @@ def test_neighbours_that_are_not_there(coarse_stability: Stability, removed: int
 
 def test_picture_of_growth_without_neighbours(coarse_stability: Stability, tmp_path: Path) -> None:
     found = [growth_without_neighbours(coarse_stability, removed) for removed in (0, 1)]
-    path = draw_growth_without_neighbours({"train": found}, tmp_path / "growth.png")
+    path = saved(draw_growth_without_neighbours({"train": found}), tmp_path / "growth.png")
     assert path.stat().st_size > 5000
 
 
@@ -107,7 +108,7 @@ def test_turning_fluid_in_a_sparse_train(
     assert found.stagnation_points == ()
     assert found.strength > 0.0
     assert 0.0 < found.centre[0] < 0.5 * coarse_base.train.radius
-    path = draw_streamlines(coarse_base, flow, tmp_path / "streamlines.png")
+    path = saved(draw_streamlines(coarse_base, flow), tmp_path / "streamlines.png")
     assert path.stat().st_size > 20000
 
 
@@ -157,4 +158,4 @@ def test_pictures_of_mechanisms(coarse_stability: Stability, tmp_path: Path) -> 
         motion.tank_treading,
     )
     for draw in (draw_strain_energies, draw_deformation_spectra, draw_mode_motions):
-        assert draw(found, tmp_path / "picture.png").stat().st_size > 10_000
+        assert saved(draw(found), tmp_path / "picture.png").stat().st_size > 10_000

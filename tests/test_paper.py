@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from drawn import drawn_by, labels
+from drawn import labels, saved
 
 from celltrain.paper import (
     FIGURES,
@@ -42,15 +42,12 @@ def as_printed() -> xr.Dataset:
 
 
 @pytest.mark.parametrize("name", ["fig6", "fig8"])
-def test_a_quick_map_names_its_degree(
-    name: str, as_printed: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    draw, path = FIGURES[name].draw, tmp_path / "map.png"
-    figure = drawn_by(lambda path: draw({CONVERGED: as_printed}, path), path, monkeypatch)
+def test_a_quick_map_names_its_degree(name: str, as_printed: xr.Dataset) -> None:
+    figure = FIGURES[name].draw({CONVERGED: as_printed})
     assert "M = 16" in labels(figure)
     assert "converged" not in labels(figure)
     full = as_printed.assign_attrs(case=Train(diameter=6, packing=0.2).to_toml())
-    figure = drawn_by(lambda path: draw({CONVERGED: full}, path), path, monkeypatch)
+    figure = FIGURES[name].draw({CONVERGED: full})
     assert "converged" in labels(figure)
     assert "M = 16" not in labels(figure)
 
@@ -125,7 +122,7 @@ def test_figures_and_the_table(as_printed: xr.Dataset, tmp_path: Path) -> None:
     as_printed["spectral_abscissa"].loc[{"diameter": 6, "packing": 0.7}] = np.nan
     for name in ("fig6", "fig8"):
         figure = FIGURES[name]
-        path = figure.draw({"converged": as_printed}, tmp_path / f"{name}.png")
+        path = saved(figure.draw({"converged": as_printed}), tmp_path / f"{name}.png")
         assert path.stat().st_size > 10_000
     text = findings_table(growth_findings(as_printed))
     assert "| P8 | alpha is below 0.001" in text

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drawn import drawn_by, labels, words_outside
+from drawn import labels, words_outside
 
 from celltrain import Train, stability, steady
 from celltrain.paper import FIGURES
@@ -85,27 +85,22 @@ def _resolved(name: str) -> object:
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_pictures_show_both_resolutions_and_all_of_their_words(
-    name: str, evidence: Evidence, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, evidence: Evidence
 ) -> None:
     figure = FIGURES[name]
     data = evidence.studies[figure.study]
-    picture = drawn_by(lambda path: figure.draw(data, path), tmp_path / "x.png", monkeypatch)
+    picture = figure.draw(data)
     assert words_outside(picture) == []
     if name not in ("fig5", "fig7", "fig17", "fig20"):
         assert any("M = 12" in each for each in labels(picture)), labels(picture)
-    alone = drawn_by(
-        lambda path: figure.draw({PAPER: data[PAPER]}, path), tmp_path / "y.png", monkeypatch
-    )
-    assert words_outside(alone) == []
+    assert words_outside(figure.draw({PAPER: data[PAPER]})) == []
 
 
-def test_equal_quantities_have_equal_labels(
-    evidence: Evidence, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_equal_quantities_have_equal_labels(evidence: Evidence) -> None:
     def axes_of(name: str) -> set[str]:
         figure = FIGURES[name]
         data = evidence.studies[figure.study]
-        return labels(drawn_by(lambda p: figure.draw(data, p), tmp_path / "x.png", monkeypatch))
+        return labels(figure.draw(data))
 
     for name in ("fig13", "fig14", "fig16", "fig19"):
         assert r"$\alpha\, r_0/U^*$" in axes_of(name)
@@ -113,13 +108,9 @@ def test_equal_quantities_have_equal_labels(
         assert r"$\phi$" in axes_of(name)
 
 
-def test_curves_are_the_data(
-    evidence: Evidence, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_curves_are_the_data(evidence: Evidence) -> None:
     data = evidence.studies["cell-volume"]
-    figure = drawn_by(
-        lambda path: FIGURES["fig19"].draw(data, path), tmp_path / "x.png", monkeypatch
-    )
+    figure = FIGURES["fig19"].draw(data)
     lines = [line.get_xydata() for line in figure.axes[0].lines]
     for resolution in (CONVERGED, PAPER):
         expected = 10.0 * data[resolution]["spectral_abscissa"].sel(diameter=8, packing=0.2)

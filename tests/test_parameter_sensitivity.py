@@ -10,6 +10,7 @@ from typing import TypeVar
 import numpy as np
 import pytest
 import scipy.linalg
+from drawn import saved
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Mode, Stability, Train, save
@@ -254,7 +255,7 @@ def test_what_is_refused(coarse_base: Base, coarse_stability: Stability) -> None
 
 
 def test_picture(sensitivities: ParameterSensitivities, tmp_path: Path) -> None:
-    path = draw_parameter_sensitivities(sensitivities, tmp_path / "bars.png")
+    path = saved(draw_parameter_sensitivities(sensitivities), tmp_path / "bars.png")
     assert path.stat().st_size > 10_000
 
 

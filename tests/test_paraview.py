@@ -6,6 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pytest
+from drawn import saved
 from matplotlib.animation import FFMpegWriter
 from numpy.testing import assert_allclose
 from PIL import Image
@@ -203,7 +204,7 @@ def test_frames_that_do_not_fit_are_refused(
     with pytest.raises(CaseError, match="degree 6"):
         export_paraview(train, np.zeros(2), shapes[..., :25], shapes[..., :25], tmp_path)
     with pytest.raises(CaseError, match="one time for each frame"):
-        draw_snapshots(train, np.zeros(1), shapes, tmp_path / "some.png")
+        draw_snapshots(train, np.zeros(1), shapes).savefig(tmp_path / "some.png")
     assert not list(tmp_path.iterdir())
 
 
@@ -217,39 +218,44 @@ def test_growth_is_drawn(train: Train, tmp_path: Path) -> None:
     times = np.linspace(0, 50, 20)
     size = 1e-3 * np.exp(0.1 * times)
     before = dict(mpl.rcParams)
-    path = plot_growth(train, Growth(times, size, 0.6 * size, 0.1, 1.1 * size), tmp_path / "g.png")
+    path = saved(
+        plot_growth(train, Growth(times, size, 0.6 * size, 0.1, 1.1 * size)), tmp_path / "g.png"
+    )
     assert size_of(path) == (1440, 920)
-    assert size_of(plot_growth(train, Growth(times, size), tmp_path / "h.png")) == (1440, 920)
+    assert size_of(saved(plot_growth(train, Growth(times, size)), tmp_path / "h.png")) == (
+        1440,
+        920,
+    )
     assert (tmp_path / "g.png").stat().st_size > (tmp_path / "h.png").stat().st_size
     assert dict(mpl.rcParams) == before
     with pytest.raises(CaseError, match="as many values"):
-        plot_growth(train, Growth(times, size[1:]), tmp_path / "i.png")
+        plot_growth(train, Growth(times, size[1:])).savefig(tmp_path / "i.png")
 
 
 def test_snapshots_are_drawn(
     train: Train, shapes: np.ndarray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     times = np.array([0.0, 2.5])
-    one = size_of(draw_snapshots(train, times[:1], shapes[:1], tmp_path / "one.png"))
-    both = size_of(
-        draw_snapshots(train, times, shapes, tmp_path / "both.png", velocities=0.1 * shapes[..., 0])
-    )
+    one = size_of(saved(draw_snapshots(train, times[:1], shapes[:1]), tmp_path / "one.png"))
+    moving = draw_snapshots(train, times, shapes, velocities=0.1 * shapes[..., 0])
+    both = size_of(saved(moving, tmp_path / "both.png"))
     # This tube is short and wide: two of them make a row, of half the height.
     assert make_scene(train, shapes).ratio > WIDE
     assert both[0] == one[0]
     assert 0.5 * one[1] < both[1] < one[1]
     # Of a long tube each has a row of its own.
     monkeypatch.setattr(evolution, "WIDE", np.inf)
-    below = size_of(draw_snapshots(train, times, shapes, tmp_path / "below.png"))
+    below = size_of(saved(draw_snapshots(train, times, shapes), tmp_path / "below.png"))
     assert below[0] == one[0]
     assert below[1] > 1.6 * one[1]
 
 
 def test_cells_that_leave_downstream_enter_upstream(train: Train, shapes: np.ndarray) -> None:
-    stage = make_scene(train, shapes)
-    assert stage.end - stage.start == pytest.approx(train.length)
-    height = stage.placed(shapes[1])[:, 2, 0] / UNIT_DISPLACEMENT
-    assert ((height >= stage.start) & (height < stage.end)).all()
+    scene = make_scene(train, shapes)
+    start, end = scene.tube.start, scene.tube.end
+    assert end - start == pytest.approx(train.length)
+    height = scene.placed(shapes[1])[:, 2, 0] / UNIT_DISPLACEMENT
+    assert ((height >= start) & (height < end)).all()
     moved = (height - shapes[1, :, 2, 0] / UNIT_DISPLACEMENT) / train.length
     assert_allclose(moved, np.round(moved), atol=1e-12)
     assert_allclose(moved, [0, 0, -1], atol=1e-12)

@@ -4,6 +4,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pytest
+from drawn import saved
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
@@ -71,17 +72,17 @@ def test_short_and_long_trains_are_drawn(
     cells: int, make_stability: Callable[..., Stability], tmp_path: Path
 ) -> None:
     result = make_stability(cells=cells)
-    assert_picture(draw_base_train(result.base, tmp_path / "train.png"))
-    assert_picture(draw_leading_mode(result, tmp_path / "mode.png"))
-    assert_picture(draw_transient_mode(result, tmp_path / "transient.png"))
+    assert_picture(saved(draw_base_train(result.base), tmp_path / "train.png"))
+    assert_picture(saved(draw_leading_mode(result), tmp_path / "mode.png"))
+    assert_picture(saved(draw_transient_mode(result), tmp_path / "transient.png"))
 
 
 def test_dense_train_and_one_sided_spectrum_are_drawn(
     make_stability: Callable[..., Stability], tmp_path: Path
 ) -> None:
     result = make_stability(growth=-0.02, packing=0.6)
-    assert_picture(draw_profile(result.base, tmp_path / "profile.png"))
-    assert_picture(draw_spectrum(result, tmp_path / "spectrum.png"))
+    assert_picture(saved(draw_profile(result.base), tmp_path / "profile.png"))
+    assert_picture(saved(draw_spectrum(result), tmp_path / "spectrum.png"))
 
 
 def test_settings_of_matplotlib_are_left_alone(
@@ -179,3 +180,13 @@ def test_turning_is_rigid() -> None:
     shape = np.random.default_rng(0).normal(size=(2, 3, 36))
     np.testing.assert_allclose(turned(turned(shape, 0.4), -0.4), shape, atol=1e-14)
     np.testing.assert_allclose(turned(shape, np.pi / 2)[:, 1], shape[:, 0], atol=1e-14)
+
+
+def test_a_picture_has_its_own_style(make_base: Callable[..., Base]) -> None:
+    with mpl.rc_context({"xtick.direction": "out", "axes.titlesize": 30, "figure.dpi": 50}):
+        figure = draw_profile(make_base())
+        assert mpl.rcParams["axes.titlesize"] == 30
+    [axes] = figure.axes
+    assert figure.dpi == 200
+    assert axes.xaxis.get_major_ticks()[0].get_tickdir() == "in"
+    assert axes.get_title(loc="left").startswith("$D$ = ")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy.linalg
+from drawn import saved
 from numpy.testing import assert_allclose
 
 from celltrain import CaseError, Stability
@@ -203,7 +204,7 @@ def test_pictures(coarse_stability: Stability, tmp_path) -> None:
     window = Window(-2.0, 1.0, -1.0, 1.0)
     result = pseudospectrum(coarse_stability, 1, 0, window=window, points=15)
     assert (result.real[0], result.imaginary[-1]) == (-2.0, 1.0)
-    assert draw_pseudospectrum(result, tmp_path / "levels.png").stat().st_size > 10_000
+    assert saved(draw_pseudospectrum(result), tmp_path / "levels.png").stat().st_size > 10_000
     found = structural_sensitivity(coarse_stability, coarse_stability.leading, points=91)
-    drawn = draw_structural_sensitivity(found, tmp_path / "sensitivity.png")
+    drawn = saved(draw_structural_sensitivity(found), tmp_path / "sensitivity.png")
     assert drawn.stat().st_size > 10_000

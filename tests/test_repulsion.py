@@ -285,7 +285,7 @@ def test_within_the_range_a_step_errs_by_part_of_the_gap_and_runs_go_on_bit_for_
 def test_a_steady_train_within_the_range_is_refused(close: Base) -> None:
     # Bullets nest in each other at this packing.
     crowded = dataclasses.replace(close, train=close.train.changed(packing=0.92))
-    with pytest.raises(CaseError, match=r"repulsion range = 0\.2 .* has a gap of"):
+    with pytest.raises(CaseError, match=r"repulsion_range = 0\.2 .* has a gap of"):
         evolve(crowded, RandomDisplacement(1e-3), degree=6, until=1.0, repulsion=Repulsion(0.2))
 
 
@@ -315,7 +315,7 @@ def test_the_command_takes_and_reports_the_repulsion(
     ]
     arguments += ["--until", "0.02", "-o", str(path), "--quiet", "--json"]
     assert main([*arguments, "--repulsion-range", "0.5"]) == 2
-    assert "repulsion range = 0.5 is not allowed" in capsys.readouterr().err
+    assert "repulsion_range = 0.5 is not allowed" in capsys.readouterr().err
     assert not path.exists()
     assert main([*arguments, "--repulsion-range", "0.03", "--repulsion-strength", "0.2"]) == 0
     record = json.loads(capsys.readouterr().out)["repulsion"]

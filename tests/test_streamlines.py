@@ -1,18 +1,17 @@
 """Streamlines of a known flow: along them the stream function stays, and no cell is entered."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from drawn import drawn_by, words_outside
+from drawn import words_outside
 from matplotlib.figure import Figure
 from matplotlib.path import Path as Outline
 
 from celltrain import Base
 from celltrain.diagnostics import MeridionalFlow, meridional_flow
+from celltrain.diagnostics.flow_lines import Streamlines
 from celltrain.meridian.geometry import meridian_points
 from celltrain.pictures import draw_streamlines
-from celltrain.pictures.streamlines import Streamlines, streamline_panel
+from celltrain.pictures.streamlines import streamline_panel
 
 PERIOD, RADIUS, AHEAD = 10.0, 3.0, 0.5
 
@@ -96,13 +95,9 @@ def test_what_turns_back_is_shaded(known: MeridionalFlow, ball: np.ndarray) -> N
     assert shades(still) == 0
 
 
-def test_the_picture_of_a_train(
-    coarse_base: Base, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_picture_of_a_train(coarse_base: Base) -> None:
     flow = meridional_flow(coarse_base, radial=21, axial=25)
-    figure = drawn_by(
-        lambda path: draw_streamlines(coarse_base, flow, path), tmp_path / "x.png", monkeypatch
-    )
+    figure = draw_streamlines(coarse_base, flow)
     assert words_outside(figure) == []
     [axes] = figure.axes
     assert f"packing {coarse_base.train.packing:g}" in axes.get_title(loc="left")

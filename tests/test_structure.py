@@ -16,6 +16,8 @@ ROOMS = (
     "xla_flags",
     "environment",
     "extras",
+    "later",
+    "version",
     "clock",
     "interruption",
     "runtime",

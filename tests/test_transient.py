@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg
+from drawn import saved
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, Stability
@@ -190,7 +191,7 @@ def test_what_is_refused(coarse_stability: Stability) -> None:
 
 def test_picture(coarse_stability: Stability, tmp_path) -> None:
     growth = transient_growth(coarse_stability, until=5.0, samples=12)
-    assert draw_transient_growth(growth, tmp_path / "growth.png").stat().st_size > 10_000
+    assert saved(draw_transient_growth(growth), tmp_path / "growth.png").stat().st_size > 10_000
     assert load(save(growth, tmp_path / "growth.nc")) == growth
 
 

@@ -50,7 +50,7 @@ oppositely. Rates in U/r0.
     }
     path = FOLDER / "boundary.png"
     drawn = {f"{name}, degree {degree}": each for (name, degree), each in found.items()}
-    draw_stability_boundary(drawn, path)
+    draw_stability_boundary(drawn).savefig(path)
     page.parts.append(f"![Curves on which the tilts neither grow nor decay]({path.name})")
     checks(page, found)
     for degree in DEGREES:

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 from page import DOTS_PER_INCH, FOLDER
-from rich.console import Console
 
 from celltrain import CaseError, Run, Train, evolve, paper_units, resume, stability, steady
 from celltrain.cli.progress import Reporter
@@ -68,17 +67,17 @@ CASES: dict[str, Case] = {
 
 def simulate(name: str, path: Path) -> None:
     """Run a simulation, or go on with its file, until its end; killed, it may be gone on with."""
-    case, errors = CASES[name], Console(stderr=True)
+    case = CASES[name]
     if path.exists():
         until = max(case.until, float(load(name, path).times[-1]))
-        with Reporter(errors, quiet=False) as progress:
+        with Reporter() as progress:
             resume(path, until=until, progress=progress.step)
         return
     path.parent.mkdir(parents=True, exist_ok=True)
-    with Reporter(errors, quiet=False) as reporter:
+    with Reporter() as reporter:
         base = steady(case.train, progress=reporter.iteration)
         start = stability(base, estimate_error=False, progress=reporter.share)
-    with Reporter(errors, quiet=False) as progress:
+    with Reporter() as progress:
         evolve(
             start,
             case.disturbance,
@@ -121,10 +120,9 @@ def summarise(name: str, path: Path) -> dict[str, Any]:
         run.train,
         run.times[chosen],
         run.shapes[chosen],
-        FOLDER / f"breakup-{name}.png",
         velocities=relative_velocities(run)[chosen],
         dots_per_inch=DOTS_PER_INCH,
-    )
+    ).savefig(FOLDER / f"breakup-{name}.png")
     return content
 
 

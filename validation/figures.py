@@ -74,7 +74,7 @@ What follows from all of it is [the page on the paper](../paper.md).
         }
         found = {resolution: figure.findings(each) for resolution, each in data.items()}
         path = FOLDER / f"figures-{name}.png"
-        figure.draw(data, path)
+        figure.draw(data).savefig(path)
         page.heading(title)
         page.text(_made(data))
         page.parts.append(comparison_table(compared(found[PAPER], found[CONVERGED])).rstrip())

@@ -10,7 +10,6 @@ import numpy as np
 from degrees import FINE, PAPER
 from matplotlib.axes import Axes
 from page import DOTS_PER_INCH, FOLDER, Page, plain_figure
-from rich.console import Console
 
 from celltrain import Run, Stability, Train, evolve, stability
 from celltrain.cli.progress import Reporter
@@ -62,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def simulated(start: Stability, disturbance: Disturbance) -> Run:
     """The disturbance in time."""
-    with Reporter(Console(stderr=True), quiet=False) as progress:
+    with Reporter() as progress:
         return evolve(start, disturbance, until=UNTIL, every=UNTIL, progress=progress.step)
 
 

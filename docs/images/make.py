@@ -26,7 +26,7 @@ def window(picture: np.ndarray) -> tuple[slice, slice]:
     return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
 
 
-def draw_breakup(path: Path) -> Path:
+def draw_breakup() -> Figure:
     """The first frame and the last beside each other, without their captions."""
     picture = mpimg.imread(FRAMES)
     height, width = picture.shape[:2]
@@ -44,15 +44,15 @@ def draw_breakup(path: Path) -> Path:
         axes.imshow(frame[shown], interpolation="lanczos")
         axes.set_axis_off()
         axes.set_title(words, fontsize=11, loc="left", pad=4)
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def main() -> None:
     """Draw both."""
     base = steady(Train(diameter=4, packing=0.3, cells=6, degree=16))
-    for path in (draw_base_train(base, HERE / "train.png"), draw_breakup(HERE / "breakup.png")):
-        print(path)
+    for name, figure in (("train", draw_base_train(base)), ("breakup", draw_breakup())):
+        figure.savefig(HERE / f"{name}.png")
+        print(HERE / f"{name}.png")
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 import celltrain.environment  # noqa: F401  (first: what libraries read when loaded)
+from celltrain.version import __version__
 
 if TYPE_CHECKING:
     from celltrain.contract import draw_all, load, show
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
     from celltrain.steady import Base, NotConverged, steady
     from celltrain.train.fluid_velocity import fluid_velocity
 
-__version__ = "0.1.0"
-
 __all__ = [
     "Base",
     "CaseError",
@@ -38,6 +37,7 @@ __all__ = [
     "Run",
     "Stability",
     "Train",
+    "__version__",
     "draw_all",
     "evolve",
     "fluid_velocity",

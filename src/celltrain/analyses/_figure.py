@@ -10,7 +10,7 @@ from celltrain.paper import FIGURES, findings_table
 from celltrain.paper.figure_data import FigureData
 from celltrain.parameters import CaseError
 from celltrain.results import Plain, plain
-from celltrain.results.version import version
+from celltrain.version import __version__
 
 
 class FigurePresentation(Presentation[FigureData]):
@@ -38,7 +38,7 @@ class FigurePresentation(Presentation[FigureData]):
         """The statements beside what was found."""
         findings = FIGURES[result.figure].findings(result.data)
         return {
-            "version": version(),
+            "version": __version__,
             "kind": result.kind,
             "figure": result.figure,
             "findings": [plain(vars(finding)) for finding in findings],
@@ -48,4 +48,4 @@ class FigurePresentation(Presentation[FigureData]):
     def pictures(cls, result: FigureData) -> Mapping[str, Draw]:
         """The figure."""
         both = {str(result.data.attrs["resolution"]): result.data}
-        return {result.figure: lambda path: FIGURES[result.figure].draw(both, path)}
+        return {result.figure: lambda: FIGURES[result.figure].draw(both)}

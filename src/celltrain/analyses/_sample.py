@@ -9,8 +9,8 @@ from celltrain.contract import Draw, Presentation
 from celltrain.contract.status import ExitStatus
 from celltrain.parameters import CaseError
 from celltrain.results import Plain, plain
-from celltrain.results.version import version
 from celltrain.study.sampling.result import SampleResult
+from celltrain.version import __version__
 
 
 class SamplePresentation(Presentation[SampleResult]):
@@ -47,7 +47,7 @@ class SamplePresentation(Presentation[SampleResult]):
             for status in ("finished", "failed", "not computed")
         }
         return {
-            "version": version(),
+            "version": __version__,
             "kind": result.kind,
             **content,
             "trains": counts,

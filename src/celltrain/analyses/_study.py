@@ -9,8 +9,8 @@ from celltrain.contract import Draw, Presentation
 from celltrain.contract.status import ExitStatus
 from celltrain.parameters import CaseError
 from celltrain.results import Plain, plain
-from celltrain.results.version import version
 from celltrain.study import StudyResult
+from celltrain.version import __version__
 
 
 class StudyPresentation(Presentation[StudyResult]):
@@ -40,7 +40,7 @@ class StudyPresentation(Presentation[StudyResult]):
         """The table's content by columns."""
         content = plain(result.data.to_dict(encoding=False))
         assert isinstance(content, dict)
-        return {"version": version(), "kind": result.kind, **content}
+        return {"version": __version__, "kind": result.kind, **content}
 
     @classmethod
     def pictures(cls, result: StudyResult) -> Mapping[str, Draw]:

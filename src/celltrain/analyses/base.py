@@ -58,8 +58,8 @@ class SteadyTrain(Analysis[Base]):
         from celltrain.pictures import draw_base_train, draw_profile
 
         return {
-            "base_train": lambda path: draw_base_train(result, path),
-            "profile": lambda path: draw_profile(result, path),
+            "base_train": lambda: draw_base_train(result),
+            "profile": lambda: draw_profile(result),
         }
 
 

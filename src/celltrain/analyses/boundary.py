@@ -13,6 +13,7 @@ from celltrain.contract import Analysis, Draw, Progress, Setting
 from celltrain.contract.status import curve_status
 from celltrain.contract.tables import case_line, titled
 from celltrain.parameters import CaseError, Train
+from celltrain.parameters.errors import called
 from celltrain.stability import check_linearisable
 from celltrain.stability.infinite import check_phases
 from celltrain.steady import Base, steady
@@ -49,8 +50,9 @@ class Boundary(Analysis[StabilityBoundary]):
         Raises:
             CaseError: for what is not allowed.
         """
-        check_linearisable(train, [self.azimuthal_number])
-        check_phases(np.array([self.phase]))
+        with called(azimuthal_numbers="azimuthal_number", phases="phase"):
+            check_linearisable(train, [self.azimuthal_number])
+            check_phases(np.array([self.phase]))
         if self.most_points < 1:
             raise CaseError(
                 f"most_points = {self.most_points} is not allowed; allowed: whole numbers >= 1"
@@ -115,7 +117,7 @@ class Boundary(Analysis[StabilityBoundary]):
 
         mode = result.points[0].mode
         name = f"$m$ = {mode.azimuthal_number}, $q$ = {mode.phase:.4g}"
-        return {"boundary": lambda path: draw_stability_boundary({name: result}, path)}
+        return {"boundary": lambda: draw_stability_boundary({name: result})}
 
     @classmethod
     def status(cls, result: StabilityBoundary) -> int:

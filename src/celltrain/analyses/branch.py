@@ -14,6 +14,7 @@ from celltrain.contract.status import curve_status
 from celltrain.contract.tables import case_line, titled
 from celltrain.parameters import CaseError, Scales, Train
 from celltrain.parameters.dimension import NUMBER
+from celltrain.parameters.errors import called
 from celltrain.parameters.resolution import LEAST_DEGREE
 from celltrain.parameters.routing import DIMENSIONS
 from celltrain.stability import NUMBERS, Stability, stability
@@ -56,7 +57,8 @@ class SteadyBranch(Analysis[Branch]):
         """
         # The healthy reduced volume depends a little on a degree that may not be known yet; with
         # the one that it gets the branch checks again.
-        check_branch(train.resolved(LEAST_DEGREE), self.along, self.to)
+        with called(parameter="along"):
+            check_branch(train.resolved(LEAST_DEGREE), self.along, self.to)
         if self.most_points < 1:
             raise CaseError(
                 f"most_points = {self.most_points} is not allowed; allowed: whole numbers >= 1"
@@ -114,7 +116,7 @@ class SteadyBranch(Analysis[Branch]):
         """The trains over the parameter."""
         from celltrain.pictures import draw_branch
 
-        return {"branch": lambda path: draw_branch(result, path)}
+        return {"branch": lambda: draw_branch(result)}
 
     @classmethod
     def status(cls, result: Branch) -> int:

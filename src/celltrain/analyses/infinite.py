@@ -11,6 +11,7 @@ from celltrain.contract import Draw, Progress, Setting
 from celltrain.contract.analysis import OfDynamics
 from celltrain.contract.tables import case_line, seconds_line, titled, verdict_line
 from celltrain.parameters import Train
+from celltrain.parameters.errors import called
 from celltrain.results import Plain
 from celltrain.stability import (
     NUMBERS,
@@ -49,7 +50,8 @@ class InfiniteStability(OfDynamics[InfiniteTrain]):
         """
         super().check(train)
         if self.phases is not None:
-            check_phases(np.unique(self.phases))
+            with called(phases="phase"):
+                check_phases(np.unique(self.phases))
 
     def compute(self, train: Train, start: Base | None, progress: Progress) -> InfiniteTrain:
         """Compute the curves and the most unstable wave.
@@ -115,4 +117,4 @@ class InfiniteStability(OfDynamics[InfiniteTrain]):
         """The dispersion curves."""
         from celltrain.pictures import draw_dispersion
 
-        return {"dispersion": lambda path: draw_dispersion(result, path)}
+        return {"dispersion": lambda: draw_dispersion(result)}

@@ -76,7 +76,7 @@ class DisturbanceMechanisms(OfStability[Mechanisms]):
         )
 
         return {
-            "energies": lambda path: draw_strain_energies(result, path),
-            "spectra": lambda path: draw_deformation_spectra(result, path),
-            "motions": lambda path: draw_mode_motions(result, path),
+            "energies": lambda: draw_strain_energies(result),
+            "spectra": lambda: draw_deformation_spectra(result),
+            "motions": lambda: draw_mode_motions(result),
         }

@@ -84,6 +84,4 @@ class WithoutNeighbours(OfStability[GrowthWithoutNeighbours]):
 
         train = result.base.train
         name = rf"$D$ = {train.tube.diameter:g} $r_0$, $\phi$ = {train.packing:g}"
-        return {
-            "neighbours": lambda path: draw_growth_without_neighbours({name: result.entries}, path)
-        }
+        return {"neighbours": lambda: draw_growth_without_neighbours({name: result.entries})}

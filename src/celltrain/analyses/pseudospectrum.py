@@ -82,4 +82,4 @@ class BlockPseudospectrum(OfStability[Pseudospectrum]):
         """The pseudospectra."""
         from celltrain.pictures import draw_pseudospectrum
 
-        return {"pseudospectrum": lambda path: draw_pseudospectrum(result, path)}
+        return {"pseudospectrum": lambda: draw_pseudospectrum(result)}

@@ -107,4 +107,4 @@ class SteadySearch(Analysis[BranchSearch]):
         """The meridians of all trains."""
         from celltrain.pictures import draw_search
 
-        return {"search": lambda path: draw_search(result, path)}
+        return {"search": lambda: draw_search(result)}

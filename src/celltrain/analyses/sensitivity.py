@@ -132,10 +132,6 @@ class ModeSensitivity(OfStability[Sensitivity]):
         from celltrain.pictures import draw_parameter_sensitivities, draw_structural_sensitivity
 
         return {
-            "parameter_sensitivities": lambda path: draw_parameter_sensitivities(
-                result.parameters, path
-            ),
-            "structural_sensitivity": lambda path: draw_structural_sensitivity(
-                result.structural, path
-            ),
+            "parameter_sensitivities": lambda: draw_parameter_sensitivities(result.parameters),
+            "structural_sensitivity": lambda: draw_structural_sensitivity(result.structural),
         }

@@ -33,10 +33,11 @@ from celltrain.evolution.record.repulsion import repulsion_record
 from celltrain.evolution.start import DEGREE
 from celltrain.extras import check_installed
 from celltrain.parameters import CaseError, Train
+from celltrain.parameters.errors import called
 from celltrain.results import Plain, plain
-from celltrain.results.version import version
 from celltrain.stability import Stability, check_linearisable, stability
 from celltrain.steady import Base, steady
+from celltrain.version import __version__
 
 DEFAULT_AMPLITUDE = 0.1
 # Nothing else can be told until the first step is done.
@@ -178,9 +179,10 @@ class Simulation(WrittenMeanwhile[Run]):
         return parse_disturbance(self.disturbance, self.amplitude)
 
     def _method(self) -> RungeKuttaChebyshev | ForwardEuler:
-        if self.euler_step is None:
-            return RungeKuttaChebyshev(self.step_tolerance)
-        return ForwardEuler(self.euler_step)
+        with called(tolerance="step_tolerance", step="euler_step"):
+            if self.euler_step is None:
+                return RungeKuttaChebyshev(self.step_tolerance)
+            return ForwardEuler(self.euler_step)
 
     def _repulsion(self) -> Repulsion:
         return Repulsion(self.repulsion_range, self.repulsion_strength)
@@ -192,7 +194,7 @@ class Simulation(WrittenMeanwhile[Run]):
         method = plain(result.integrator)
         assert isinstance(method, dict)
         content = {
-            "version": version(),
+            "version": __version__,
             "kind": result.kind,
             "case": result.train,
             "disturbance": result.disturbance,
@@ -236,7 +238,7 @@ class Simulation(WrittenMeanwhile[Run]):
             ("speed", f"{speed:.3g}", "r0/U per hour"),
         ):
             table.add_row(name, value, unit)
-        table.caption = f"disturbance {result.disturbance}; {result.ending.message}"
+        table.caption = f"disturbance: {result.disturbance}; {result.ending.message}"
         console.print(table)
 
     @classmethod

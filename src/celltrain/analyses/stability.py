@@ -110,12 +110,12 @@ class LinearStability(OfDynamics[Stability]):
 
         found: dict[str, Draw] = {
             **SteadyTrain.pictures(result.base),
-            "spectrum": lambda path: draw_spectrum(result, path),
-            "leading_mode": lambda path: draw_leading_mode(result, path),
-            "transient_mode": lambda path: draw_transient_mode(result, path),
+            "spectrum": lambda: draw_spectrum(result),
+            "leading_mode": lambda: draw_leading_mode(result),
+            "transient_mode": lambda: draw_transient_mode(result),
         }
         if result.error_bars:
-            found["error_bars"] = lambda path: draw_error_bars(result, path)
+            found["error_bars"] = lambda: draw_error_bars(result)
         return found
 
 

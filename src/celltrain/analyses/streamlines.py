@@ -69,4 +69,4 @@ class FlowAroundCells(Analysis[FlowInCellFrame]):
         """The streamlines."""
         from celltrain.pictures import draw_streamlines
 
-        return {"streamlines": lambda path: draw_streamlines(result.base, result.flow, path)}
+        return {"streamlines": lambda: draw_streamlines(result.base, result.flow)}

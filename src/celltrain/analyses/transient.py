@@ -96,7 +96,7 @@ class TransientAnalysis(OfStability[TransientGrowth]):
         """G(t), and the optimal disturbance."""
         from celltrain.pictures import draw_transient_growth
 
-        return {"transient_growth": lambda path: draw_transient_growth(result, path)}
+        return {"transient_growth": lambda: draw_transient_growth(result)}
 
 
 def norm_named(name: str, train: Train) -> Norm:

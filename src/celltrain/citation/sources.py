@@ -4,14 +4,14 @@ from celltrain.citation.analysis import ANALYSIS
 from celltrain.citation.comparisons import COMPARISONS
 from celltrain.citation.membranes_and_flow import MEMBRANES_AND_FLOW
 from celltrain.citation.source import Source
-from celltrain.results.version import version
+from celltrain.version import __version__
 
 SOFTWARE = Source(
     key="celltrain",
     kind="misc",
     authors=("the celltrain developers",),
     title="celltrain: trains of red blood cells in narrow tubes and their stability",
-    where=f"Python package, version {version()}",
+    where=f"Python package, version {__version__}",
     note="This package.",
 )
 PAPER = Source(

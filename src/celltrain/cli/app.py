@@ -10,63 +10,34 @@ Commands are imported when they are run, so that help and bad input need not wai
 """
 
 from collections.abc import Sequence
-from importlib.metadata import version
+from pathlib import Path
 
 from cyclopts import App, CycloptsError
-from rich.console import Console
 
-from celltrain.cli.keeping import reason
-from celltrain.contract.catalogue import first_lines
+from celltrain.cli.keeping import reason, say
+from celltrain.contract.catalogue import TAKEN, first_line, first_lines
 from celltrain.contract.status import ComputationFailed, ExitStatus
 from celltrain.environment import UnsuitableSetting
 from celltrain.extras import MissingExtra
 from celltrain.parameters import CaseError
+from celltrain.version import __version__
 
-#: Commands that are no analyses: function, and the first line of that function's docstring.
-OTHERS = {
-    "case": (
-        "case:case",
-        "Print the complete case as TOML, dimensionless: what a computation would use.",
-    ),
-    "cite": (
-        "cite:cite",
-        "Print what to cite as BibTeX: package and paper, and what a result's methods rest on.",
-    ),
-    "explore": (
-        "explore:explore",
-        "Open a train in the browser: sliders, the cells in three dimensions, spectrum and modes.",
-    ),
-    "page": (
-        "page:page",
-        "Write a result as one page that opens in any browser, without Python or a network.",
-    ),
-    "paper": (
-        "paper:paper",
-        "Compute or resume one of the paper's figures, draw it, and check the paper's statements.",
-    ),
-    "plot": ("plot:plot", "Draw what a file holds: any result, a simulation, its film."),
-    "show": (
-        "show:show",
-        "Print the report of a result in a file again, without computing anything.",
-    ),
-    "sweep": (
-        "sweep:sweep",
-        "Run or resume a study: trains over ranges or distributions of parameters.",
-    ),
-}
-#: Every command: its function, and its line of help.
-COMMANDS = dict(
-    sorted(
-        (
-            OTHERS | {name: (f"computations:{name}", line) for name, line in first_lines().items()}
-        ).items()
-    )
-)
 
+def _commands() -> dict[str, tuple[str, str]]:
+    """Every command by its name: its function, and the first line of that one's docstring."""
+    here = Path(__file__)
+    found = {
+        name: (f"{name}:{name}", first_line(here.with_name(f"{name}.py"), name)) for name in TAKEN
+    }
+    found |= {name: (f"computations:{name}", line) for name, line in first_lines().items()}
+    return dict(sorted(found.items()))
+
+
+COMMANDS = _commands()
 app = App(
     name="celltrain",
     help="Trains of red blood cells in narrow tubes: the steady train, and whether it is stable.",
-    version=lambda: f"celltrain {version('celltrain')}",
+    version=f"celltrain {__version__}",
     result_action="return_value",
     suppress_keyboard_interrupt=False,
 )
@@ -82,32 +53,23 @@ def run(arguments: Sequence[str] | None = None) -> int:
     Raises:
         KeyboardInterrupt: with what was saved, in words.
     """
-    errors = Console(stderr=True)
     try:
-        status = app(arguments, exit_on_error=False, print_error=False)
-    except (CaseError, CycloptsError) as error:
-        words = str(error).replace(". Choose from: ", "; allowed: ")
-        errors.print(f"celltrain: {words}", markup=False, highlight=False, soft_wrap=True)
-        return ExitStatus.BAD_INPUT
+        return app(arguments, exit_on_error=False, print_error=False) or ExitStatus.DONE
+    except (CaseError, CycloptsError, UnsuitableSetting) as error:
+        status, words = ExitStatus.BAD_INPUT, str(error).replace(". Choose from: ", "; allowed: ")
     except ComputationFailed as error:
-        errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
-        return error.status
-    except UnsuitableSetting as error:
-        errors.print(f"celltrain: {error}", markup=False, highlight=False, soft_wrap=True)
-        return ExitStatus.BAD_INPUT
+        status, words = error.status, str(error)
     except ImportError as error:
         # A command's own import arrives wrapped.
         missing = error if isinstance(error, MissingExtra) else error.__cause__
         if not isinstance(missing, MissingExtra):
             raise
-        errors.print(f"celltrain: {missing}", markup=False, highlight=False, soft_wrap=True)
-        return ExitStatus.BAD_INPUT
+        status, words = ExitStatus.BAD_INPUT, str(missing)
     except OSError as error:
+        status = ExitStatus.NOT_KEPT
         words = f"{error.filename or 'standard output'} cannot be used: {reason(error)}"
-        errors.print(f"celltrain: {words}", markup=False, highlight=False, soft_wrap=True)
-        return ExitStatus.NOT_KEPT
     except MemoryError as error:
+        status = ExitStatus.NOT_KEPT
         words = f"the memory is not enough: {error}" if str(error) else "the memory is not enough"
-        errors.print(f"celltrain: {words}", markup=False, highlight=False, soft_wrap=True)
-        return ExitStatus.NOT_KEPT
-    return status or 0
+    say(f"celltrain: {words}")
+    return status

@@ -12,6 +12,12 @@ CaseFile = Annotated[
         " are taken; options override the case."
     ),
 ]
+ResultFile = Annotated[
+    Path,
+    Parameter(
+        help="netCDF file of a result or of a simulation, also of one that is under way (.nc)."
+    ),
+]
 Json = Annotated[bool, Parameter(help="Print one JSON object and nothing else.", negative=())]
 Quiet = Annotated[bool, Parameter(help="No progress on standard error.", negative=())]
 Plot = Annotated[Path | None, Parameter(help="Folder for pictures; made if it is not there.")]

@@ -2,8 +2,6 @@
 
 import sys
 
-from rich.console import Console
-
 from celltrain.cli.arguments import CaseFile
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.options import CaseOptions, given_leaves
@@ -23,7 +21,7 @@ def case(case: CaseFile = None, /, *, options: CaseOptions = None) -> int:
         content = read_case(case) if case else {}
         train = merge_case(content, leaves)
     unusual = leaves.get("unusual", content.get("unusual", False))
-    keeper = Keeper(Console(stderr=True), quiet=True)
+    keeper = Keeper()
     text = train.to_toml()
     if unusual:
         text = f"unusual = true\n{text}"

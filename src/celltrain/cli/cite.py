@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
-from rich.console import Console
 
 from celltrain.citation import PAPER, SOFTWARE, sources_of
 from celltrain.cli.compute import read_result
@@ -21,6 +20,6 @@ def cite(result: ResultFile = None, /) -> int:
     sources = [SOFTWARE, PAPER]
     if result is not None:
         sources += sources_of(read_result(result, "file"))
-    keeper = Keeper(Console(stderr=True), quiet=True)
+    keeper = Keeper()
     keeper.show(lambda: print("\n\n".join(source.bibtex() for source in sources)))
     return keeper.status

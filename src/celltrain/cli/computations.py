@@ -87,7 +87,7 @@ def settings_class(analysis: type[Analysis[Record]]) -> "type[DataclassInstance]
             raise TypeError(f"{analysis.__name__}: the setting {each.name!r} is an option already")
         default = {} if each.default is MISSING else {"default": each.default}
         parameter = _parameter(kind, setting, group, each.default)
-        columns.append((each.name, Annotated[_shown(kind), parameter], dataclass_field(**default)))
+        columns.append((each.name, Annotated[kind, parameter], dataclass_field(**default)))
     made = make_dataclass(f"{analysis.__name__}Options", columns, frozen=True, kw_only=True)
     made.__module__ = __name__  # cyclopts only looks into classes of modules like this one
     return made
@@ -109,22 +109,11 @@ def _parameter(kind: Any, setting: Setting, group: Group, default: Any) -> Param
     )
 
 
-def _parts(kind: Any) -> tuple[Any, ...]:
-    """The kinds of an optional setting but None."""
-    if get_origin(kind) in (None, Literal) or get_origin(kind) is Sequence:
-        return (kind,)
-    return tuple(each for each in get_args(kind) if each is not type(None)) or (kind,)
-
-
 def _is_sequence(kind: Any) -> bool:
-    return any(isinstance(get_origin(each), type) for each in _parts(kind))
+    return any(get_origin(each) is Sequence for each in (kind, *get_args(kind)))
 
 
 def _inner(kind: Any) -> Any:
-    part = _parts(kind)[0]
-    return get_args(part)[0] if _is_sequence(kind) else part
-
-
-def _shown(kind: Any) -> Any:
-    """The type for cyclopts, which knows lists."""
-    return list[_inner(kind)] | None if _is_sequence(kind) else kind  # type: ignore[misc]
+    """The type of a setting's values, which may be optional, or several."""
+    parts = [each for each in get_args(kind) if each is not type(None)]
+    return _inner(parts[0]) if parts and get_origin(kind) is not Literal else kind

@@ -13,9 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from rich.console import Console
-
-from celltrain.cli.keeping import Keeper, Report, reason
+from celltrain.cli.keeping import ERRORS, Keeper, Report, reason, say
 from celltrain.cli.outputs import check_folder, check_output, last_state_path
 from celltrain.cli.progress import Reporter
 from celltrain.contract import Analysis, Progress, WrittenMeanwhile, load, presentation
@@ -53,7 +51,6 @@ def run(request: Request, leaves: Mapping[str, object], analysis: Analysis[Recor
         raise CaseError("output is missing: name a file (-o FILE.nc)")
     if request.output:
         check_output(request.output)
-    errors = Console(stderr=True)
     # Nobody else may come between looking at the file and writing it.
     own = only_writer(request.output) if meanwhile and request.output else nullcontext()
     # Only the result itself may go to standard output.
@@ -61,18 +58,18 @@ def run(request: Request, leaves: Mapping[str, object], analysis: Analysis[Recor
         compute = _checked(request, leaves, analysis)
         if request.plot:
             check_folder(request.plot)
-        with Reporter(errors, quiet=request.quiet) as reporter:
+        with Reporter(quiet=request.quiet) as reporter:
             try:
                 result = compute(reporter)
             except NotConverged as failure:
-                return describe_failure(failure, errors, request.output)
-    keeper = Keeper(errors, quiet=request.quiet)
+                return describe_failure(failure, request.output)
+    keeper = Keeper(quiet=request.quiet)
     print_result(result, keeper, as_json=request.json)
     status, remark = analysis.status(result), analysis.remark(result, request.output)
     if meanwhile and status == ExitStatus.INTERRUPTED:
         raise KeyboardInterrupt(remark)
     if remark:
-        errors.print(remark, markup=False, highlight=False, soft_wrap=True)
+        say(remark)
     keeper.result(result, None if meanwhile else request.output, request.plot)
     return status or keeper.status
 
@@ -198,10 +195,9 @@ def print_result(result: Record, keeper: Keeper, *, as_json: bool) -> None:
         keeper.show(lambda: shown.report(result, Report()))
 
 
-def describe_failure(failure: NotConverged, errors: Console, output: Path | None) -> int:
+def describe_failure(failure: NotConverged, output: Path | None) -> int:
     """Say why there is no steady train, keep the last state; return the exit status."""
-    words = f"celltrain: not converged: {failure}"
-    errors.print(words, markup=False, highlight=False, soft_wrap=True)
+    say(f"celltrain: not converged: {failure}")
     table = titled("", "iteration", "method", "residual, U", "step, r0/U", "cell velocity, U")
     for number, iteration in enumerate(failure.history, 1):
         table.add_row(
@@ -211,22 +207,19 @@ def describe_failure(failure: NotConverged, errors: Console, output: Path | None
             f"{iteration.step:.3g}",
             f"{iteration.cell_velocity:.6f}",
         )
-    errors.print(table)
+    ERRORS.print(table)
     from celltrain.results import save
 
     path = last_state_path(output)
     try:
         save(failure.last, path)
     except OSError as error:
-        words = (
-            f"celltrain: {str(path)!r} could not be written, with the last state: {reason(error)}"
-        )
-        errors.print(words, markup=False, highlight=False, soft_wrap=True)
+        lost = f"{str(path)!r} could not be written, with the last state"
+        say(f"celltrain: {lost}: {reason(error)}")
     else:
         train = failure.last.train
-        words = (
+        say(
             f"the last state is in {path} (diameter {train.tube.diameter:.6g}, packing"
             f" {train.packing:.6g}); repeat the command with --start {path} to go on from there"
         )
-        errors.print(words, markup=False, highlight=False, soft_wrap=True)
     return ExitStatus.NOT_CONVERGED

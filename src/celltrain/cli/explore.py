@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Annotated, NoReturn
 
 from cyclopts import Parameter
-from rich.console import Console
 
 from celltrain.cli.arguments import Quiet
 from celltrain.cli.keeping import Keeper
@@ -59,8 +58,7 @@ def explore(
     from celltrain.explore.opened import opened
 
     what = opened(file)
-    errors = Console(stderr=True)
-    with Reporter(errors, quiet=quiet) as reporter:
+    with Reporter(quiet=quiet) as reporter:
         reporter.log("warming up: the first train, so that the page answers at once")
         from celltrain.explore.app import make_app
         from celltrain.explore.engine import Engine
@@ -71,7 +69,7 @@ def explore(
         query = what.view.address
         served = serve(make_app(what, engine), host=host, port=port, token=token, query=query)
         reporter.log("Ctrl-C ends it")
-    Keeper(errors, quiet=quiet).show(lambda: print(served.address))
+    Keeper(quiet=quiet).show(lambda: print(served.address))
     # It ends by being interrupted, which the server keeps to itself.
     served.run(browser=browser)
     raise KeyboardInterrupt("the page has ended")

@@ -19,6 +19,15 @@ if TYPE_CHECKING:
     from celltrain.quantities import Record
 
 
+#: Standard error, on which one live display may be at a time.
+ERRORS = Console(stderr=True)
+
+
+def say(words: str) -> None:
+    """A line on standard error, as it is."""
+    ERRORS.print(words, markup=False, highlight=False, soft_wrap=True)
+
+
 class Report(Console):
     """Standard output for reports: that it is closed is said by an error, which can be told."""
 
@@ -33,8 +42,8 @@ class Keeper:
     With `listed` the names of the files are the result: they go to standard output.
     """
 
-    def __init__(self, errors: Console, *, quiet: bool, listed: bool = False) -> None:
-        self._errors, self._quiet, self._listed = errors, quiet, listed
+    def __init__(self, *, quiet: bool = True, listed: bool = False) -> None:
+        self._quiet, self._listed = quiet, listed
         self._complete = True
 
     @property
@@ -71,12 +80,10 @@ class Keeper:
 
         self.file(path, write)
 
-    def picture(self, path: Path, draw: Callable[[Path], Path]) -> None:
-        """Draw a picture."""
-        from celltrain.contract.drawing import draw_file
-
+    def picture(self, path: Path, draw: Callable[[Path], object]) -> None:
+        """Draw a picture, or a film, by a function that writes it."""
         try:
-            draw_file(draw, path)
+            draw(path)
         except Exception as error:  # whatever a library finds on this machine
             self._drawn(path, error)
         else:
@@ -106,14 +113,11 @@ class Keeper:
         if self._listed:
             self.show(lambda: print(path))
         elif not self._quiet:
-            self._say(f"{how} {path}")
+            say(f"{how} {path}")
 
     def _lost(self, what: str, error: Exception) -> None:
         self._complete = False
-        self._say(f"celltrain: {what}: {reason(error)}")
-
-    def _say(self, message: str) -> None:
-        self._errors.print(message, markup=False, highlight=False, soft_wrap=True)
+        say(f"celltrain: {what}: {reason(error)}")
 
 
 def _drop_standard_output() -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import field as dataclass_field
 from dataclasses import fields, make_dataclass
-from typing import Annotated, Any, Literal, cast, get_origin
+from typing import Annotated, Any, Literal, cast
 
 from cyclopts import Group, Parameter, Token
 from pydantic.fields import FieldInfo
@@ -50,9 +50,11 @@ def reader(kind: type, otherwise: str) -> Callable[[object, Sequence[Token]], ob
         try:
             values = [kind(token.value) for token in tokens]
         except ValueError:
-            given = " ".join(token.value for token in tokens)
+            # Of several values the option is not named otherwise.
+            option = "" if hint in (int, float) else f"{tokens[0].keyword} "
+            given = option + " ".join(token.value for token in tokens)
             raise ValueError(f"{given} is not allowed; {otherwise}") from None
-        return values if get_origin(hint) is list else values[0]
+        return values[0] if hint in (int, float) else values
 
     return read
 

@@ -4,21 +4,14 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
-from rich.console import Console
 
-from celltrain.cli.arguments import Quiet
+from celltrain.cli.arguments import Quiet, ResultFile
 from celltrain.cli.compute import read_result
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_output
 from celltrain.cli.progress import Reporter
 from celltrain.extras import check_installed
 
-ResultFile = Annotated[
-    Path,
-    Parameter(
-        help="netCDF file of a result or of a simulation, also of one that is under way (.nc)."
-    ),
-]
 PageFile = Annotated[
     Path | None,
     Parameter(
@@ -34,12 +27,11 @@ def page(result: ResultFile, /, *, output: PageFile = None, quiet: Quiet = False
     path = result.with_suffix(".html") if output is None else output
     check_output(path)
     content = read_result(result, "file")
-    errors = Console(stderr=True)
-    with Reporter(errors, quiet=quiet) as reporter:
+    with Reporter(quiet=quiet) as reporter:
         reporter.log(f"page of a result of the kind {content.kind}")
         from celltrain.explore.page import page_of
 
         text = page_of(content, name=result.name)
-    keeper = Keeper(errors, quiet=quiet, listed=True)
+    keeper = Keeper(quiet=quiet, listed=True)
     keeper.text(path, text)
     return keeper.status

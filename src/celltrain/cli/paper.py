@@ -7,17 +7,17 @@ from contextlib import redirect_stdout
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import xarray as xr
 from cyclopts import Parameter
-from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
-from celltrain.cli.keeping import Keeper
+from celltrain.cli.keeping import Keeper, say
 from celltrain.cli.outputs import check_folder
 from celltrain.cli.study_run import Count, Retry, Scheduler, StudyRun, compute
 from celltrain.contract import load
+from celltrain.contract.drawing import draw_file
 from celltrain.contract.status import ExitStatus
 from celltrain.paper import FIGURES, findings_table, paper_study
 from celltrain.paper.figure_data import FigureData
@@ -30,27 +30,11 @@ from celltrain.study import collect
 
 Write = Callable[[Path], object]
 
-FigureName = Annotated[
-    Literal[
-        "fig3",
-        "fig4",
-        "fig5",
-        "fig6",
-        "fig7",
-        "fig8",
-        "fig9",
-        "fig10",
-        "fig11",
-        "fig13",
-        "fig14",
-        "fig16",
-        "fig17",
-        "fig19",
-        "fig20",
-        "table1",
-    ],
-    Parameter(help="Figure of the paper, or its table."),
-]
+if TYPE_CHECKING:
+    Name = str
+else:
+    Name = Literal[tuple(FIGURES)]
+FigureName = Annotated[Name, Parameter(help="Figure of the paper, or its table.")]
 Quick = Annotated[
     bool,
     Parameter(help="Of a map or curve, a coarse grid at a low degree: the pattern.", negative=()),
@@ -98,18 +82,17 @@ def paper(
     usual = {CONVERGED: f"paper-{chosen.study}", PAPER: f"paper-{chosen.study}-degree-12"}
     folder = output or Path(f"{usual[CONVERGED]}-quick" if quick else usual[resolution])
     run = StudyRun(folder, workers, scheduler, retry, quiet)
-    errors = Console(stderr=True)
     check_folder(folder, "output")
     with only_writer(folder):
         # Only the result itself may go to standard output.
         with redirect_stdout(sys.stderr):
-            data, files, failed = _data(figure, run, errors, quick=quick, degree=degree)
+            data, files, failed = _data(figure, run, quick=quick, degree=degree)
             findings = chosen.findings(data)
         text = findings_table(findings)
         shown = text
         if json:
             shown = json_.dumps([asdict(finding) for finding in findings], indent=2) + "\n"
-        keeper = Keeper(errors, quiet=quiet)
+        keeper = Keeper(quiet=quiet)
         keeper.show(lambda: sys.stdout.write(shown))
         for path, write in files.items():
             keeper.file(path, write)
@@ -117,9 +100,9 @@ def paper(
         both: Resolutions = {resolution: data}
         if output is None and not quick:
             both |= _beside(resolution, usual)
-        keeper.picture(folder / f"{figure}.png", lambda path: chosen.draw(both, path))
+        keeper.picture(folder / f"{figure}.png", partial(draw_file, lambda: chosen.draw(both)))
         if chosen.needs and not quiet:
-            errors.print(f"without {chosen.needs}", highlight=False, soft_wrap=True)
+            say(f"without {chosen.needs}")
         return ExitStatus.NOT_CONVERGED if failed else keeper.status
 
 
@@ -134,7 +117,7 @@ def _beside(resolution: str, folders: dict[str, str]) -> Resolutions:
 
 
 def _data(
-    name: str, run: StudyRun, errors: Console, *, quick: bool, degree: int | None
+    name: str, run: StudyRun, *, quick: bool, degree: int | None
 ) -> tuple[xr.Dataset, dict[Path, Write], bool]:
     """The data of a figure, how to write the files with it, and whether a case failed."""
     path, figure = run.folder / "study.nc", FIGURES[name]
@@ -145,7 +128,7 @@ def _data(
         data = figure.compute(degree).assign_attrs(figure=name, resolution=resolution)
         return data, {path: partial(save, FigureData(data))}, False
     study = paper_study(figure, quick=quick, degree=degree)
-    records = compute(study, run, errors)
+    records = compute(study, run)
     result = collect(study, records)
     table = result.table()
 

@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
-from rich.console import Console
 
-from celltrain.cli.arguments import Quiet
+from celltrain.cli.arguments import Quiet, ResultFile
 from celltrain.cli.compute import read_result
 from celltrain.cli.keeping import Keeper
 from celltrain.cli.outputs import check_folder, check_output
@@ -16,13 +15,8 @@ from celltrain.contract.files import pictures
 from celltrain.evolution import Run
 from celltrain.parameters import CaseError
 from celltrain.pictures.animation import film_writer
+from celltrain.results import replace_file
 
-ResultFile = Annotated[
-    Path,
-    Parameter(
-        help="netCDF file of a result or of a simulation, also of one that is under way (.nc)."
-    ),
-]
 Folder = Annotated[
     Path | None,
     Parameter(
@@ -76,15 +70,14 @@ def plot(
         )
     folder = result.with_name(f"{result.stem}-pictures") if output is None else output
     check_folder(folder, "output")
-    errors = Console(stderr=True)
-    with Reporter(errors, quiet=quiet) as reporter:
+    with Reporter(quiet=quiet) as reporter:
         reporter.log(
             f"pictures of a result of the kind {content.kind}"
             if simulation is None
             else f"simulation until t = {simulation.reached:.6g} of {simulation.until:g} r0/U,"
             f" {len(simulation.times)} frames: {simulation.ending.message}"
         )
-        keeper = Keeper(errors, quiet=quiet, listed=True)
+        keeper = Keeper(quiet=quiet, listed=True)
         keeper.result(content, None, folder)
         if simulation is not None:
             _film(simulation, animation, paraview, reporter, keeper)
@@ -98,8 +91,8 @@ def _film(
     if animation is not None:
         from celltrain.pictures.run import animate_run
 
-        part = partial(reporter.part, "film")
-        keeper.picture(animation, lambda path: animate_run(run, path, progress=part))
+        film = partial(animate_run, run, progress=partial(reporter.part, "film"))
+        keeper.picture(animation, lambda path: replace_file(path, film))
     if paraview is not None:
         from celltrain.evolution.record.recompute import frame_rates
         from celltrain.pictures.paraview import export_paraview

@@ -4,25 +4,16 @@ import math
 from collections.abc import Callable
 from contextlib import ExitStack
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from numba.core import event
-from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from celltrain.cli.keeping import ERRORS, say
 
 if TYPE_CHECKING:
     from celltrain.contract.progress import SimulationStatus
-
-
-class _Iteration(Protocol):
-    """What is shown of an iteration of the steady train."""
-
-    @property
-    def method(self) -> str: ...
-    @property
-    def residual(self) -> float: ...
-    @property
-    def cell_velocity(self) -> float: ...
+    from celltrain.steady import Iteration
 
 
 class _Announcement(event.Listener):
@@ -50,10 +41,9 @@ class Reporter:
     of what has an end.
     """
 
-    def __init__(self, console: Console, *, quiet: bool) -> None:
-        self._console = console
+    def __init__(self, *, quiet: bool = False) -> None:
         self._quiet = quiet
-        self._live = console.is_terminal
+        self._live = ERRORS.is_terminal
         self._iterations = 0
         self._tenths = 0
         self._title = ""
@@ -64,7 +54,7 @@ class Reporter:
             BarColumn(),
             TextColumn("{task.fields[note]}"),
             TimeElapsedColumn(),
-            console=console,
+            console=ERRORS,
             transient=True,
             disable=quiet or not self._live,
         )
@@ -87,9 +77,9 @@ class Reporter:
     def log(self, message: str) -> None:
         """One line, unless quiet."""
         if not self._quiet:
-            self._console.print(message, highlight=False, markup=False, soft_wrap=True)
+            say(message)
 
-    def iteration(self, iteration: _Iteration) -> None:
+    def iteration(self, iteration: "Iteration") -> None:
         """Take an iteration of the steady train."""
         self._iterations += 1
         note = f"residual {iteration.residual:.2e}  cell velocity {iteration.cell_velocity:.5f}"

@@ -1,13 +1,12 @@
 """The run of a study from the command line, with live progress: what sweeps and figures share."""
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, TypeVar
 
 from cyclopts import Parameter
-from rich.console import Console
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -18,7 +17,7 @@ from rich.progress import (
 from rich.progress import Progress as Bar
 
 from celltrain.cli.arguments import Quiet
-from celltrain.cli.keeping import reason
+from celltrain.cli.keeping import ERRORS, reason, say
 from celltrain.cli.options import reader
 from celltrain.contract.status import ComputationFailed, ExitStatus
 from celltrain.interruption import kept_by
@@ -29,7 +28,6 @@ from celltrain.study import (
     StabilityOfCase,
     Study,
     StudyProgress,
-    Workers,
     WorkersLost,
     local_workers,
     run_study,
@@ -39,7 +37,6 @@ from celltrain.study.sampling.definition import SampledStudy
 from celltrain.study.sampling.engine import NoCentralTrain, Sampled, run_sample
 
 Found = TypeVar("Found")
-Tell = Callable[[StudyProgress], None]
 
 # Cases take minutes, so the time left follows from the last hour.
 SPEED_PERIOD = 3600.0
@@ -69,7 +66,7 @@ class StudyRun:
     quiet: Quiet = False
 
 
-def compute(study: Study, run: StudyRun, errors: Console) -> dict[tuple[int, ...], CaseRecord]:
+def compute(study: Study, run: StudyRun) -> dict[tuple[int, ...], CaseRecord]:
     """Run or resume a study; returns the records by the cases' indices.
 
     `run.folder` is there.
@@ -78,82 +75,45 @@ def compute(study: Study, run: StudyRun, errors: Console) -> dict[tuple[int, ...
         CaseError: for workers that are not allowed.
         ComputationFailed, KeyboardInterrupt: with what is kept as the message.
     """
-    computation = StabilityOfCase(study.computed)
-
-    def on_workers(workers: Workers, tell: Tell) -> dict[tuple[int, ...], CaseRecord]:
-        return run_study(
-            study,
-            run.folder.absolute(),
-            computation,
-            workers.executor,
-            workers.slots,
-            retry=run.retry,
-            progress=tell,
-        )
-
-    total = len(study.cases)
-    return _kept_going(on_workers, run, total, _Show(study.title, total, run, errors))
+    folder, computation = run.folder.absolute(), StabilityOfCase(study.computed)
+    show = _Show(study.title, len(study.cases), run)
+    return _kept_going(partial(run_study, study, folder, computation), run, show)
 
 
-def compute_sample(study: SampledStudy, run: StudyRun, errors: Console) -> Sampled:
+def compute_sample(study: SampledStudy, run: StudyRun) -> Sampled:
     """The same for a study of distributions.
 
     Raises:
         CaseError, ComputationFailed, KeyboardInterrupt: as `compute`.
     """
-
-    def on_workers(workers: Workers, tell: Tell) -> Sampled:
-        try:
-            return run_sample(
-                study,
-                run.folder.absolute(),
-                workers.executor,
-                workers.slots,
-                retry=run.retry,
-                progress=tell,
-            )
-        except NoCentralTrain as error:
-            raise ComputationFailed(str(error)) from None
-
-    show = _Show(study.title, study.total, run, errors, many=True)
-    return _kept_going(on_workers, run, study.total, show)
+    show = _Show(study.title, study.total, run, many=True)
+    try:
+        return _kept_going(partial(run_sample, study, run.folder.absolute()), run, show)
+    except NoCentralTrain as error:
+        raise ComputationFailed(str(error)) from None
 
 
-def _kept_going(
-    on_workers: "Callable[[Workers, Tell], Found]", run: StudyRun, total: int, show: "_Show"
-) -> "Found":
+def _kept_going(on_workers: Callable[..., Found], run: StudyRun, show: "_Show") -> Found:
     """Run what workers do, with progress; whatever stops it says what is kept."""
     if run.workers is not None and run.scheduler is not None:
         raise CaseError("workers and scheduler are not allowed together: give one of them")
-    last: list[StudyProgress] = []
+    found = scheduled_workers(run.scheduler) if run.scheduler else local_workers(run.workers)
 
     def kept() -> str:
-        finished = last[0].finished if last else 0
         return (
-            f"{finished} of {total} cases are finished and kept in {run.folder};"
+            f"{show.finished} of {show.total} cases are finished and kept in {run.folder};"
             " the same command goes on with the others"
         )
 
-    def tell(progress: StudyProgress) -> None:
-        last[:] = [progress]
-        show(progress)
-
     try:
-        with kept_by(kept), _workers(run) as workers, show:
-            return on_workers(workers, tell)
-    except (KeyboardInterrupt, WorkersLost, NotKept, OSError) as stopped:
-        if isinstance(stopped, KeyboardInterrupt):
-            raise KeyboardInterrupt(kept()) from None
-        if isinstance(stopped, WorkersLost):
-            raise ComputationFailed(f"{stopped}; {kept()}", ExitStatus.NOT_KEPT) from None
-        raise ComputationFailed(
-            f"{str(run.folder)!r} could not be written: {reason(stopped)}; {kept()}",
-            ExitStatus.NOT_KEPT,
-        ) from None
-
-
-def _workers(run: StudyRun) -> AbstractContextManager[Workers]:
-    return scheduled_workers(run.scheduler) if run.scheduler else local_workers(run.workers)
+        with kept_by(kept), found as workers, show:
+            return on_workers(workers.executor, workers.slots, retry=run.retry, progress=show)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(kept()) from None
+    except (WorkersLost, NotKept, OSError) as stopped:
+        words = f"{str(run.folder)!r} could not be written: {reason(stopped)}"
+        words = str(stopped) if isinstance(stopped, WorkersLost) else words
+        raise ComputationFailed(f"{words}; {kept()}", ExitStatus.NOT_KEPT) from None
 
 
 class _Show:
@@ -162,10 +122,9 @@ class _Show:
     Of many cases only those that fail have a line of their own, and each tenth of all.
     """
 
-    def __init__(
-        self, title: str, total: int, run: StudyRun, errors: Console, *, many: bool = False
-    ) -> None:
-        self._errors, self._quiet, self._many = errors, run.quiet, many
+    def __init__(self, title: str, total: int, run: StudyRun, *, many: bool = False) -> None:
+        self.total, self.finished = total, 0
+        self._quiet, self._many = run.quiet, many
         self._tenth = 0
         self._bar = Bar(
             TextColumn("{task.description}"),
@@ -175,9 +134,9 @@ class _Show:
             TimeElapsedColumn(),
             TextColumn("left"),
             TimeRemainingColumn(),
-            console=errors,
+            console=ERRORS,
             transient=True,
-            disable=run.quiet or not errors.is_terminal,
+            disable=run.quiet or not ERRORS.is_terminal,
             speed_estimate_period=SPEED_PERIOD,
         )
         self._task = self._bar.add_task(title, total=total, note="")
@@ -189,23 +148,21 @@ class _Show:
         self._bar.stop()
 
     def __call__(self, progress: StudyProgress) -> None:
+        self.finished = progress.finished
         done = progress.finished + progress.failed
         note = f"{progress.failed} failed" if progress.failed else ""
         self._bar.update(self._task, completed=done, note=note)
         if self._quiet:
             return
         if not progress.ended:
-            self._print(f"{done} of {progress.total} cases were there already")
+            say(f"{done} of {progress.total} cases were there already")
         for case, record in progress.ended:
             if record.status == "failed":
-                self._print(f"{done}/{progress.total}  {case}: failed: {record.reason}")
+                say(f"{done}/{progress.total}  {case}: failed: {record.reason}")
             elif not self._many:
                 alpha = record.values.get("spectral_abscissa")
-                self._print(f"{done}/{progress.total}  {case}: alpha {alpha:.2e}")
+                say(f"{done}/{progress.total}  {case}: alpha {alpha:.2e}")
         tenth = 10 * done // progress.total
         if self._many and progress.ended and tenth > self._tenth:
-            self._print(f"{done}/{progress.total}")
+            say(f"{done}/{progress.total}")
         self._tenth = tenth
-
-    def _print(self, line: str) -> None:
-        self._errors.print(line, highlight=False, markup=False, soft_wrap=True)

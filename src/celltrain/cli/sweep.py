@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
-from rich.console import Console
 
 from celltrain.cli.arguments import Json, Quiet
 from celltrain.cli.keeping import Keeper
@@ -54,26 +53,25 @@ def sweep(
     wanted = read_study(study)
     folder = output or Path(study.stem)
     run = StudyRun(folder, workers, scheduler, retry, quiet)
-    errors = Console(stderr=True)
     check_folder(folder, "output")
     with only_writer(folder):
-        return _sweep(wanted, run, errors, json=json)
+        return _sweep(wanted, run, json=json)
 
 
-def _sweep(wanted: Study | SampledStudy, run: StudyRun, errors: Console, *, json: bool) -> int:
+def _sweep(wanted: Study | SampledStudy, run: StudyRun, *, json: bool) -> int:
     result: StudyResult | SampleResult
     # Only the result itself may go to standard output.
     with redirect_stdout(sys.stderr):
         if isinstance(wanted, SampledStudy):
-            result = collect_sample(wanted, compute_sample(wanted, run, errors))
+            result = collect_sample(wanted, compute_sample(wanted, run))
             plain: object = presentation(result.kind).summary(result)
         else:
-            records = compute(wanted, run, errors)
+            records = compute(wanted, run)
             result = collect(wanted, records)
             plain = [each.model_dump() for each in records.values()]
     text = result.table()
     shown = json_.dumps(plain, indent=2) + "\n" if json else text
-    keeper = Keeper(errors, quiet=run.quiet)
+    keeper = Keeper(quiet=run.quiet)
     keeper.show(lambda: sys.stdout.write(shown))
     keeper.text(run.folder / "table.md", text)
     keeper.result(result, run.folder / "study.nc", run.folder)

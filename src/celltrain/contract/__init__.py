@@ -7,8 +7,9 @@ are made from it: a new one is one file in `celltrain.analyses`.
 Its parts are imported when they are asked for: the command line only needs the names at first.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from celltrain.later import imported_later
 
 if TYPE_CHECKING:
     from celltrain.contract.analysis import (
@@ -48,16 +49,19 @@ __all__ = [
     "show",
 ]
 
-_LATER = {
-    "analysis": ("Analysis", "Draw", "OfStability", "Presentation", "Setting", "WrittenMeanwhile"),
-    "catalogue": ("analysis_named", "commands", "first_lines", "kinds", "presentation"),
-    "files": ("draw_all", "load", "show"),
-    "progress": ("Progress", "Silent"),
-}
-_OWNERS = {name: owner for owner, names in _LATER.items() for name in names}
-
-
-def __getattr__(name: str) -> object:
-    if name not in _OWNERS:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_OWNERS[name]}"), name)
+__getattr__ = imported_later(
+    __name__,
+    {
+        "analysis": (
+            "Analysis",
+            "Draw",
+            "OfStability",
+            "Presentation",
+            "Setting",
+            "WrittenMeanwhile",
+        ),
+        "catalogue": ("analysis_named", "commands", "first_lines", "kinds", "presentation"),
+        "files": ("draw_all", "load", "show"),
+        "progress": ("Progress", "Silent"),
+    },
+)

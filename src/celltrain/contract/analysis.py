@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, ClassVar, Generic, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Generic, TypeAlias, TypeVar
 
 from rich.console import Console
 
@@ -21,9 +21,12 @@ from celltrain.stability import (
 )
 from celltrain.steady import Base
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure  # takes a good part of a second
+
 Result = TypeVar("Result", bound=Record)
-#: Draws one picture into a file and returns its path.
-Draw: TypeAlias = Callable[[Path], Path]
+#: Draws one picture.
+Draw: TypeAlias = Callable[[], "Figure"]
 
 
 @dataclass(frozen=True)

@@ -125,6 +125,18 @@ def _assigned(node: ast.stmt) -> str:
     return next((each.id for each in targets if isinstance(each, ast.Name)), "")
 
 
+def first_line(path: Path, name: str) -> str:
+    """The first line of the docstring of a function in a file, which is not imported."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef) and node.name == name:
+            return _first_line(node)
+    raise AttributeError(f"{path} defines no function {name!r}")
+
+
+def _first_line(node: ast.FunctionDef | ast.ClassDef) -> str:
+    return (ast.get_docstring(node) or "No description.").splitlines()[0]
+
+
 def _declared(path: Path) -> tuple[str, str]:
     """The `command` and the first line of the class in a file that is an analysis.
 
@@ -141,6 +153,5 @@ def _declared(path: Path) -> tuple[str, str]:
         if "result" in named:
             value = getattr(named.get("command"), "value", None)
             command = str(value.value) if isinstance(value, ast.Constant) else ""
-            line = (ast.get_docstring(node) or "No description.").splitlines()[0]
-            return command, line
+            return command, _first_line(node)
     return "", f"Cannot be used: {path} defines no analysis."

@@ -19,5 +19,5 @@ def draw_file(draw: Draw, path: Path) -> Path:
 
     with mpl.rc_context():
         mpl.rcdefaults()
-        replace_file(path, draw)
+        replace_file(path, draw().savefig)
     return path

@@ -8,8 +8,8 @@ from rich.text import Text
 
 from celltrain.parameters import relative_volume
 from celltrain.quantities import quantity_of
-from celltrain.results.version import version
 from celltrain.steady import Base
+from celltrain.version import __version__
 
 # Rates (U/r0) below this are rounding errors of the eigenvalue solver.
 ROUNDING = 1e-10
@@ -19,7 +19,7 @@ def case_line(base: Base, cells: str | None = None) -> Text:
     """The case in a line; `cells` in place of its number of cells."""
     train = base.train
     text = Text("celltrain ", style="bold")
-    text.append(version(), style="dim")
+    text.append(__version__, style="dim")
     number = cells or f"N = {train.cells}"
     text.append(
         f"  D = {train.tube.diameter:g} r0, packing {train.packing:g}, {number},"

@@ -3,7 +3,6 @@
 Measures of steady trains and of modes need no JAX; what does is imported when it is asked for.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 from celltrain.diagnostics.haematocrit import (
@@ -23,7 +22,7 @@ from celltrain.diagnostics.streamlines import (
     meridional_flow,
     recirculation,
 )
-from celltrain.extras import check_installed
+from celltrain.later import imported_later
 
 if TYPE_CHECKING:
     from celltrain.diagnostics.ellipsoid import Ellipsoid, best_ellipsoid
@@ -70,21 +69,17 @@ __all__ = [
     "tube_haematocrit",
 ]
 
-_LATER = {
-    "ellipsoid": ("Ellipsoid", "best_ellipsoid"),
-    "energy": ("energy_parts", "perturbation_energy"),
-    "fields": ("SurfaceFields", "surface_fields"),
-    "frames": ("frame",),
-    "moments": ("CellMoments", "cell_moments"),
-    "rotation": ("CellMotion", "cell_motion"),
-    "stresslet": ("stresslets",),
-    "tension": ("isotropic_tension",),
-}
-_OWNERS = {name: owner for owner, names in _LATER.items() for name in names}
-
-
-def __getattr__(name: str) -> object:
-    if name not in _OWNERS:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    check_installed("simulations")
-    return getattr(import_module(f"{__name__}.{_OWNERS[name]}"), name)
+__getattr__ = imported_later(
+    __name__,
+    {
+        "ellipsoid": ("Ellipsoid", "best_ellipsoid"),
+        "energy": ("energy_parts", "perturbation_energy"),
+        "fields": ("SurfaceFields", "surface_fields"),
+        "frames": ("frame",),
+        "moments": ("CellMoments", "cell_moments"),
+        "rotation": ("CellMotion", "cell_motion"),
+        "stresslet": ("stresslets",),
+        "tension": ("isotropic_tension",),
+    },
+    "simulations",
+)

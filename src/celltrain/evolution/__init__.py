@@ -4,7 +4,6 @@ What was recorded of a simulation, methods' settings and disturbances need no JA
 is imported when it is asked for.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 from celltrain.evolution.disturbances import (
@@ -20,7 +19,7 @@ from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.methods import ForwardEuler, Integrator, RungeKuttaChebyshev
 from celltrain.evolution.record.run import Run
-from celltrain.extras import check_installed
+from celltrain.later import imported_later
 
 if TYPE_CHECKING:
     from celltrain.evolution.cells import CellsInFlow, Snapshot, follow
@@ -51,16 +50,12 @@ __all__ = [
     "resume",
 ]
 
-_LATER = {
-    "cells": ("CellsInFlow", "Snapshot", "follow"),
-    "march": ("Status",),
-    "simulate": ("evolve", "resume"),
-}
-_OWNERS = {name: owner for owner, names in _LATER.items() for name in names}
-
-
-def __getattr__(name: str) -> object:
-    if name not in _OWNERS:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    check_installed("simulations")
-    return getattr(import_module(f"{__name__}.{_OWNERS[name]}"), name)
+__getattr__ = imported_later(
+    __name__,
+    {
+        "cells": ("CellsInFlow", "Snapshot", "follow"),
+        "march": ("Status",),
+        "simulate": ("evolve", "resume"),
+    },
+    "simulations",
+)

@@ -34,6 +34,11 @@ class Disturbance(abc.ABC):
         return start.spectral_abscissa if isinstance(start, Stability) else float("nan")
 
 
+def _words(what: str, amplitude: float, phase: float = 0.0) -> str:
+    turned = f", phase {phase:g}" if phase else ""
+    return f"{what}, eps {amplitude:g} r0{turned}"
+
+
 @dataclass(frozen=True)
 class NumberedMode(Disturbance):
     """A mode of the linear dynamics, counted from 1 by falling growth rate, neutral ones left out.
@@ -49,6 +54,9 @@ class NumberedMode(Disturbance):
         check_positive("amplitude", self.amplitude)
         if self.number < 1:
             raise CaseError(f"mode {self.number} is not allowed; allowed: a whole number >= 1")
+
+    def __str__(self) -> str:
+        return _words(f"mode {self.number}", self.amplitude, self.phase)
 
     def shapes(self, start: Base | Stability) -> Shapes:
         """The mode as a wave exp(i q p) along the cells p, real part."""
@@ -80,6 +88,9 @@ class Leading(Disturbance):
     def __post_init__(self) -> None:
         check_positive("amplitude", self.amplitude)
 
+    def __str__(self) -> str:
+        return _words("the leading mode", self.amplitude, self.phase)
+
     def shapes(self, start: Base | Stability) -> Shapes:
         """Mode number 1."""
         return NumberedMode(1, self.amplitude, self.phase).shapes(start)
@@ -99,6 +110,9 @@ class FastestAtFirst(Disturbance):
     def __post_init__(self) -> None:
         check_positive("amplitude", self.amplitude)
 
+    def __str__(self) -> str:
+        return _words("what grows fastest at first", self.amplitude, self.phase)
+
     def shapes(self, start: Base | Stability) -> Shapes:
         """The optimal vector of the numerical abscissa in the paper's norm."""
         vector = _analysed(start, "the transient disturbance").transient_shape(self.phase)
@@ -117,6 +131,9 @@ class RandomDisplacement(Disturbance):
 
     def __post_init__(self) -> None:
         check_positive("amplitude", self.amplitude)
+
+    def __str__(self) -> str:
+        return _words(f"random displacements, seed {self.seed}", self.amplitude)
 
     def shapes(self, start: Base | Stability) -> Shapes:
         """Coefficients of Y_00 alone."""
@@ -140,6 +157,10 @@ class FromFile(Disturbance):
     def __post_init__(self) -> None:
         if self.amplitude is not None:
             check_positive("amplitude", self.amplitude)
+
+    def __str__(self) -> str:
+        what = f"that of {self.path}"
+        return what if self.amplitude is None else _words(what, self.amplitude)
 
     def shapes(self, start: Base | Stability) -> Shapes:
         """The array, or the last shapes less the steady ones."""

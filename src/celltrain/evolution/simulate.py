@@ -97,7 +97,9 @@ def evolve(
         settled = dynamics.settle(shapes)
         met = dynamics.overlaps(settled.shapes)
         if met:
-            raise CaseError(f"{disturbance!r} is not allowed: {met[0]}; a smaller amplitude may be")
+            raise CaseError(
+                f"disturbance ({disturbance}) is not allowed: {met[0]}; a smaller amplitude may be"
+            )
         wall_gap = followed(LARGEST, dynamics.wall_distance(settled.shapes))
         if wall_gap != dynamics.wall_gap:
             dynamics = train_dynamics(base, film, wall_gap=wall_gap)
@@ -108,7 +110,7 @@ def evolve(
         first = dynamics.continuous(state.shapes, state.laps) - np.asarray(dynamics.base)
         run = Run(
             start=start,
-            disturbance=repr(disturbance),
+            disturbance=str(disturbance),
             growth_rate=disturbance.growth_rate(start),
             integrator=method,
             repulsion=film,
@@ -183,7 +185,7 @@ def _check_steady(dynamics: Dynamics, repulsion: Repulsion) -> None:
     gap = dynamics.film_forces(np.asarray(dynamics.base)).gap
     if gap < np.inf:
         raise CaseError(
-            f"repulsion range = {repulsion.range:g} is not allowed: the steady train, which knows"
+            f"repulsion_range = {repulsion.range:g} is not allowed: the steady train, which knows"
             f" no repulsion, has a gap of {gap:.4g} r0; allowed: less than that, 0 for none"
         )
 

@@ -8,14 +8,14 @@ and `curves` with what is drawn of either.
 from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, cast
 
 from dash import ClientsideFunction, Dash, Input, Output, Patch, State, no_update
 from dash.exceptions import PreventUpdate
 from flask import Response, request
 
 from celltrain.explore.address import View, view_of
-from celltrain.explore.changes import control_panel, view_after
+from celltrain.explore.changes import Change, control_panel, view_after
 from celltrain.explore.drawing import mode_drawing, train_drawing
 from celltrain.explore.engine import Engine, Picture, Superseded
 from celltrain.explore.figures import (
@@ -78,7 +78,7 @@ def _add_pictures(app: Dash, opened: Opened, engine: Engine) -> None:
         view = opened.view if before is None else view_of(before["address"], opened.view.train)
         asked = {"number": number, "place": change.get("place")}
         try:
-            view = view_after(view, change, opened)
+            view = view_after(view, cast(Change, change), opened)
         except CaseError as error:
             return _refused(view, asked, str(error), change)
         try:

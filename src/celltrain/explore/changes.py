@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypedDict
 
 from celltrain.explore.address import View, view_of
 from celltrain.explore.controls import MOST_CELLS, changed, controls, parsed
@@ -11,11 +11,28 @@ from celltrain.parameters import CaseError
 from celltrain.parameters.train import Units
 
 
-def view_after(view: View, change: Mapping[str, Any], opened: Opened) -> View:
-    """What is explored after a change.
+class Change(TypedDict, total=False):
+    """What somebody did, any of these.
 
-    **Arguments:** `change`: any of `address` (to open), `place` (of a study's case), `units`,
-    `infinite`, `places` (of sliders, 0 to 1, by name) and `values` (as written in fields).
+    Attributes:
+        address: to open.
+        place: of a study's case.
+        units: as in a case file.
+        infinite: whether the train is.
+        places: of sliders, 0 to 1, by name.
+        values: as written in fields, by name.
+    """
+
+    address: str
+    place: str
+    units: str
+    infinite: bool
+    places: dict[str, float]
+    values: dict[str, str]
+
+
+def view_after(view: View, change: Change, opened: Opened) -> View:
+    """What is explored after a change.
 
     Raises:
         CaseError: for a value that is not allowed, in the words of the command line.
@@ -35,7 +52,7 @@ def view_after(view: View, change: Mapping[str, Any], opened: Opened) -> View:
     return replace(view, train=changed(view.train, given, view.units)) if given else view
 
 
-def control_panel(view: View) -> dict[str, Any]:
+def control_panel(view: View) -> dict[str, object]:
     """The controls as they stand: for each its place, its value in words, its unit."""
     panel = []
     for control in controls(view.units):
@@ -61,7 +78,7 @@ def control_panel(view: View) -> dict[str, Any]:
     }
 
 
-def _of_sliders(view: View, places: Mapping[str, float]) -> dict[str, Any]:
+def _of_sliders(view: View, places: Mapping[str, float]) -> dict[str, object]:
     known = {each.name: each for each in controls(view.units)}
     found = {}
     for name, place in places.items():
@@ -72,7 +89,7 @@ def _of_sliders(view: View, places: Mapping[str, float]) -> dict[str, Any]:
     return _in_units(view, found)
 
 
-def _of_fields(view: View, change: Mapping[str, Any]) -> dict[str, Any]:
+def _of_fields(view: View, change: Change) -> dict[str, object]:
     values = {
         name: parsed(name, str(text).strip().replace(",", "."))
         for name, text in change.get("values", {}).items()
@@ -80,7 +97,7 @@ def _of_fields(view: View, change: Mapping[str, Any]) -> dict[str, Any]:
     return _in_units(view, values)
 
 
-def _in_units(view: View, values: Mapping[str, Any]) -> dict[str, Any]:
+def _in_units(view: View, values: Mapping[str, Any]) -> dict[str, object]:
     """Values as shown, in r0, U and mu or in SI."""
     units = {each.name: each.unit(view.units)[1] for each in controls(view.units)}
     return {

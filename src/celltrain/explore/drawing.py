@@ -4,8 +4,6 @@ A train is its profile (see `harmonics.profile`), a mode a vector in `azimuthal_
 `assets/harmonics.js` evaluates both on a grid.
 """
 
-from typing import Any
-
 import numpy as np
 
 from celltrain.explore.reading import Reading
@@ -14,7 +12,7 @@ from celltrain.stability.verdict import wave_words
 from celltrain.steady import Base
 
 #: A train, a mode or a film as JSON has it.
-Drawn = dict[str, Any]
+Drawn = dict[str, object]
 #: Cells that are drawn of a train without end.
 ENDLESS = 8
 #: The mode that leads, whichever it is.

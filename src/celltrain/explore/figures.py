@@ -1,7 +1,7 @@
 """Figures of results for Plotly, as plain dictionaries: the same in the explorer and in pages."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import cast
 
 import numpy as np
 
@@ -12,14 +12,14 @@ from celltrain.pictures.spectrum import close_view
 from celltrain.pictures.style import COLORS, VERMILION
 from celltrain.stability import InfiniteTrain, Stability, TransientGrowth
 
-Figure = dict[str, Any]
+Figure = dict[str, object]
 INK, QUIET, LINE, OTHERS = "#1f2933", "#5b6875", "#d5dbe1", "#b4bcc4"
 #: Shapes of points by azimuthal number, for who does not see the colours.
 SYMBOLS = ("circle", "diamond", "square", "triangle-up")
 FONT = {"family": "system-ui, -apple-system, Segoe UI, Roboto, sans-serif", "size": 12}
 
 
-def axis(title: str, **more: Any) -> dict[str, Any]:
+def axis(title: str, **more: object) -> dict[str, object]:
     """An axis as all figures have it."""
     return {
         "title": {"text": title, "standoff": 8, "font": {"size": 12, "color": QUIET}},
@@ -35,7 +35,7 @@ def axis(title: str, **more: Any) -> dict[str, Any]:
     }
 
 
-def logarithmic(low: float, high: float) -> dict[str, Any]:
+def logarithmic(low: float, high: float) -> dict[str, object]:
     """What makes an axis logarithmic, with ticks that say their values in full."""
     decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
     steps = (1.0, 2.0, 5.0) if high < 200.0 * low else (1.0,)
@@ -49,7 +49,7 @@ def logarithmic(low: float, high: float) -> dict[str, Any]:
     }
 
 
-def figure(data: Sequence[dict[str, Any]], **layout: Any) -> Figure:
+def figure(data: Sequence[dict[str, object]], **layout: object) -> Figure:
     """A figure as all are laid out."""
     return {
         "data": list(data),
@@ -166,7 +166,7 @@ def dispersion_figure(result: InfiniteTrain, reading: Reading) -> Figure:
     best = result.most_unstable
     small = max(2.0 * abs(best.growth_rate), 1e-3) * rate
     phases = result.phases / np.pi
-    traces: list[dict[str, Any]] = []
+    traces: list[dict[str, object]] = []
     for m in result.azimuthal_numbers:
         first = _first(result, m)
         values = rate * result.growth_rates(m)[first:]
@@ -233,7 +233,7 @@ def growth_figure(curves: GrowthCurves, alpha: float, reading: Reading) -> Figur
     """G(t) of each azimuthal number and of the train, beside exp(alpha t) and exp(eta t)."""
     time, unit = reading.of("r0/U")
     times, largest = curves.times[1:], curves.largest[1:]
-    traces: list[dict[str, Any]] = [
+    traces: list[dict[str, object]] = [
         {
             "type": "scatter",
             "mode": "lines",
@@ -278,9 +278,9 @@ def growth_figure(curves: GrowthCurves, alpha: float, reading: Reading) -> Figur
     )
 
 
-def _played(mode: Drawn | None) -> dict[str, Any]:
+def _played(mode: Drawn | None) -> dict[str, object]:
     """A ring around the eigenvalue of a mode, and around its conjugate."""
-    x, y = ([], []) if mode is None else ring_around(mode["place"])
+    x, y = ([], []) if mode is None else ring_around(cast(Sequence[float], mode["place"]))
     look = {"symbol": "circle-open", "size": 17, "color": INK, "line": {"width": 2}}
     points = {"type": "scatter", "mode": "markers", "x": x, "y": y}
     return {**points, "marker": look, "hoverinfo": "skip"}
@@ -292,10 +292,10 @@ def ring_around(place: Sequence[float]) -> tuple[list[float], list[float]]:
     return [growth, growth], [frequency, -frequency]
 
 
-def _modes(result: Stability, chosen: np.ndarray, rate: float) -> list[dict[str, Any]]:
+def _modes(result: Stability, chosen: np.ndarray, rate: float) -> list[dict[str, object]]:
     """Points of modes and their conjugates, small azimuthal numbers over large ones."""
     most = len(COLORS)
-    traces = []
+    traces: list[dict[str, object]] = []
     for number in range(most, -1, -1):
         for neutral in (False, True):
             modes = [
@@ -351,36 +351,36 @@ def _bent_ticks(least: float, most: float, small: float) -> list[float]:
     return sorted(ticks)
 
 
-def _vertical(x: float, color: str, width: float, dash: str = "solid") -> dict[str, Any]:
+def _vertical(x: float, color: str, width: float, dash: str = "solid") -> dict[str, object]:
     line = {"color": color, "width": width, "dash": dash}
     whole = {"xref": "x", "yref": "paper", "y0": 0, "y1": 1}
     return {"type": "line", **whole, "x0": x, "x1": x, "line": line, "layer": "below"}
 
 
-def _horizontal(y: float) -> dict[str, Any]:
+def _horizontal(y: float) -> dict[str, object]:
     line = {"color": INK, "width": 0.8}
     whole = {"xref": "paper", "yref": "y", "x0": 0, "x1": 1}
     return {"type": "line", **whole, "y0": y, "y1": y, "line": line, "layer": "below"}
 
 
-def _growing(right: float) -> dict[str, Any]:
+def _growing(right: float) -> dict[str, object]:
     """The half plane of what grows."""
     whole = {"xref": "x", "yref": "paper", "y0": 0, "y1": 1, "x0": 0.0, "x1": 50.0 * right}
     look = {"fillcolor": "rgba(213,94,0,0.07)", "line": {"width": 0}, "layer": "below"}
     return {"type": "rect", **whole, **look}
 
 
-def _box(window: Sequence[float]) -> dict[str, Any]:
+def _box(window: Sequence[float]) -> dict[str, object]:
     left, right, bottom, top = window
     place = {"xref": "x", "yref": "y", "x0": left, "x1": right, "y0": bottom, "y1": top}
     return {"type": "rect", **place, "line": {"color": INK, "width": 1}}
 
 
-def _above(text: str) -> dict[str, Any]:
+def _above(text: str) -> dict[str, object]:
     """Words over the upper right corner."""
     return {**_note(text, 1.0, 1.0, "right", VERMILION), "yanchor": "bottom", "yshift": 1}
 
 
-def _note(text: str, x: float, y: float, anchor: str, color: str) -> dict[str, Any]:
+def _note(text: str, x: float, y: float, anchor: str, color: str) -> dict[str, object]:
     place = {"xref": "paper", "yref": "paper", "x": x, "y": y, "xanchor": anchor, "yanchor": "top"}
     return {**place, "text": text, "showarrow": False, "font": {"size": 12, "color": color}}

@@ -7,7 +7,6 @@ The step is the smallest for which the film is small enough; the error that it l
 
 import base64
 import gzip
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -22,7 +21,7 @@ MOST_BYTES, MOST_FRAMES = 7_000_000, 500
 FINEST = 1e-5
 
 
-def film_drawing(run: Run) -> dict[str, Any]:
+def film_drawing(run: Run) -> dict[str, object]:
     """The film of a simulation as numbers for the browser, times in r0/U and lengths in r0."""
     places = np.linspace(0, len(run.times) - 1, min(len(run.times), MOST_FRAMES))
     chosen = np.unique(places.round().astype(int))
@@ -36,7 +35,7 @@ def film_of(
     ending: str,
     *,
     most_bytes: int = MOST_BYTES,
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """A film of frames, wherever they come from; `ending` says how they ended."""
     step, text = packed(shapes, most_bytes)
     error = rounding_error(shapes, step)

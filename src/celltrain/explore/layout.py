@@ -3,14 +3,15 @@
 from typing import Any
 
 from dash import dcc, html
+from dash.development.base_component import Component
 
 from celltrain.explore.figures import figure
 from celltrain.explore.opened import Opened
 from celltrain.pictures.style import COLORS
-from celltrain.results.version import version
+from celltrain.version import __version__
 
 #: How all figures behave.
-CONFIG: Any = {
+CONFIG: dcc.Graph.Config = {
     "displaylogo": False,
     "displayModeBar": False,
     "responsive": True,
@@ -19,7 +20,7 @@ CONFIG: Any = {
 _MARKS = ("●", "◆", "■", "▲")
 
 
-def page(opened: Opened) -> Any:
+def page(opened: Opened) -> Component:
     """The whole page of what was opened."""
     return html.Div(
         [
@@ -43,7 +44,7 @@ def page(opened: Opened) -> Any:
     )
 
 
-def _side(opened: Opened) -> Any:
+def _side(opened: Opened) -> Component:
     return html.Aside(
         [
             html.Div(id="controls"),
@@ -55,7 +56,7 @@ def _side(opened: Opened) -> Any:
                 className="buttons",
             ),
             html.P(
-                [f"celltrain {version()}", *([f" · {opened.name}"] if opened.name else [])],
+                [f"celltrain {__version__}", *([f" · {opened.name}"] if opened.name else [])],
                 className="version",
             ),
         ],
@@ -63,8 +64,8 @@ def _side(opened: Opened) -> Any:
     )
 
 
-def _main(opened: Opened) -> list[Any]:
-    parts: list[Any] = [
+def _main(opened: Opened) -> list[Component]:
+    parts: list[Component] = [
         html.Div(id="message", className="message above", role="alert", hidden=True),
     ]
     if opened.study is not None:
@@ -133,7 +134,7 @@ def _main(opened: Opened) -> list[Any]:
     return parts
 
 
-def legend() -> Any:
+def legend() -> Component:
     """What the colours of azimuthal numbers are; the same in all figures."""
     parts = [
         html.Span([html.Span(mark, style={"color": color}), f" m = {m}"])
@@ -144,7 +145,7 @@ def legend() -> Any:
     return html.P([*parts, others, hollow], className="legend")
 
 
-def _panel(title: str, name: str, kind: str = "", *, note: str = "") -> Any:
+def _panel(title: str, name: str, kind: str = "", *, note: str = "") -> Component:
     parts = [html.H2(title), html.Span(note, className="note")]
     if kind == "curves":
         parts.append(html.Span(className="curves-stage"))
@@ -153,7 +154,7 @@ def _panel(title: str, name: str, kind: str = "", *, note: str = "") -> Any:
     return html.Section([heading, _graph(name, kind, points)], className="panel")
 
 
-def _graph(name: str, kind: str, points: str = "") -> Any:
+def _graph(name: str, kind: str, points: str = "") -> Component:
     """A figure; with the words for `points` those can be chosen by keys as well."""
     graph = dcc.Graph(
         id=name, figure=figure([]), config=CONFIG, responsive=True, style={"height": "100%"}
@@ -165,9 +166,9 @@ def _graph(name: str, kind: str, points: str = "") -> Any:
     return html.Div(graph, className=f"graph {kind}".strip(), **keys)
 
 
-def _named(words: str) -> Any:
+def _named(words: str) -> dict[str, Any]:
     return {"aria-label": words}
 
 
-def _live(how: str) -> Any:
+def _live(how: str) -> dict[str, Any]:
     return {"aria-live": how}

@@ -25,7 +25,7 @@ SHOWN = {
 }
 
 #: Coordinates of the ring around a case.
-Ring = dict[str, list[Any]]
+Ring = dict[str, list[object]]
 NO_RING: Ring = {"x": [], "y": []}
 
 
@@ -167,9 +167,9 @@ def ring_at(study: StudyResult, place: str | None, name: str) -> Ring:
 
 def _cases(
     values: xr.DataArray, x: list[float], y: list[float], places: list[list[str]], label: str
-) -> list[dict[str, Any]]:
+) -> list[dict[str, object]]:
     """A dot for each case with a number, a cross for each without; they can be clicked."""
-    traces = []
+    traces: list[dict[str, object]] = []
     for known, symbol, size, color in (
         (True, "circle", 7, "rgba(255,255,255,0.85)"),
         (False, "x", 8, VERMILION),
@@ -205,7 +205,7 @@ def _cases(
 def _curve(values: xr.DataArray, label: str) -> Figure:
     [name] = (str(each) for each in values.dims)
     x = _numbers(values[name])
-    trace = {
+    trace: dict[str, object] = {
         "type": "scatter",
         "mode": "lines+markers",
         "x": x,
@@ -218,7 +218,7 @@ def _curve(values: xr.DataArray, label: str) -> Figure:
     return figure([trace, chosen_ring()], xaxis=axis(_words(values[name])), yaxis=axis(label))
 
 
-def chosen_ring(color: str = "#ffffff") -> dict[str, Any]:
+def chosen_ring(color: str = "#ffffff") -> dict[str, object]:
     """A ring around the case that is shown; last of all traces."""
     look = {"symbol": "circle-open", "size": 17, "color": color, "line": {"width": 3}}
     return {"type": "scatter", "mode": "markers", **NO_RING, "marker": look, "hoverinfo": "skip"}

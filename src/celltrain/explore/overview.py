@@ -58,7 +58,9 @@ class Overview:
         figure = self.figure(name)
         ring = self.ring(place, name)
         if ring is not None:
-            figure["data"][-1].update(ring)
+            traces = figure["data"]
+            assert isinstance(traces, list)
+            traces[-1].update(ring)
         return figure
 
 

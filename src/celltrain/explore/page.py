@@ -10,7 +10,7 @@ import html
 import json
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -40,10 +40,10 @@ from celltrain.explore.samples import sample_headline, sample_rows
 from celltrain.explore.simulation import simulation_figure
 from celltrain.pictures.style import COLORS
 from celltrain.quantities import Record
-from celltrain.results.version import version
 from celltrain.stability import InfiniteTrain, Stability, TransientGrowth
 from celltrain.steady import Base
 from celltrain.study import SampleResult, StudyResult
+from celltrain.version import __version__
 
 ASSETS = Path(__file__).parent / "assets"
 SCRIPTS = ("harmonics.js", "film.js", "stage.js", "player.js", "numbers.js", "keys.js", "page.js")
@@ -59,9 +59,24 @@ def page_of(result: Record, *, name: str = "") -> str:
     return assembled(_content(result), name)
 
 
-def assembled(content: dict[str, Any], name: str) -> str:
+class Content(TypedDict, total=False):
+    """What a page shows, in the words of its script, `page.js`."""
+
+    version: str
+    title: str
+    headline: object
+    rows: object
+    motion: object
+    train: Drawn
+    figures: dict[str, dict[str, object]]
+    modes: dict[str, Drawn]
+    leading: str
+    film: dict[str, object]
+
+
+def assembled(content: Content, name: str) -> str:
     """The page of what the script `page.js` draws: title, numbers, train, modes, figures, film."""
-    content = {"version": version(), **content}
+    content = {"version": __version__, **content}
     shown = " · ".join(part for part in (name, content["title"]) if part)
     text = (ASSETS / "page.html").read_text(encoding="utf-8")
     parts = {
@@ -94,7 +109,7 @@ def _legend() -> str:
     return f'{marks}<span><span class="others">●</span> m ≥ 4</span><span>○ neutral</span>'
 
 
-def _content(result: Record) -> dict[str, Any]:
+def _content(result: Record) -> Content:
     """What a page holds of a result, whatever its kind."""
     if isinstance(result, StudyResult | SampleResult):
         return _of_study(result)
@@ -114,12 +129,12 @@ def _content(result: Record) -> dict[str, Any]:
     return train_content(presentation(result.kind).steady_train(result))
 
 
-def train_content(result: Stability | InfiniteTrain | Base) -> dict[str, Any]:
+def train_content(result: Stability | InfiniteTrain | Base) -> Content:
     """What a page holds of a train, and of its linear dynamics if they are known."""
     base = result if isinstance(result, Base) else result.base
     reading = Reading("dimensionless", base.train.scales)
     infinite = isinstance(result, InfiniteTrain)
-    content: dict[str, Any] = {
+    content: Content = {
         "title": title(base.train, reading, infinite=infinite),
         "headline": headline(result, reading),
         "rows": rows(result, reading),
@@ -149,9 +164,9 @@ def train_content(result: Stability | InfiniteTrain | Base) -> dict[str, Any]:
     return content
 
 
-def _of_study(result: StudyResult | SampleResult) -> dict[str, Any]:
+def _of_study(result: StudyResult | SampleResult) -> Content:
     study = overview_of(result)
-    content: dict[str, Any] = {
+    content: Content = {
         "title": result.data.attrs.get("title", "Study"),
         "figures": {
             name: _titled(words, study.figure(name), study.notes[name])
@@ -163,7 +178,7 @@ def _of_study(result: StudyResult | SampleResult) -> dict[str, Any]:
     return content
 
 
-def _of_simulation(run: Run) -> dict[str, Any]:
+def _of_simulation(run: Run) -> Content:
     content = train_content(run.start)
     reading = Reading("dimensionless", run.train.scales)
     growth = _titled(
@@ -174,7 +189,7 @@ def _of_simulation(run: Run) -> dict[str, Any]:
     return content
 
 
-def _titled(name: str, figure: Figure, note: str = "") -> dict[str, Any]:
+def _titled(name: str, figure: Figure, note: str = "") -> dict[str, object]:
     return {"title": name, "note": note, **figure}
 
 

@@ -1,7 +1,6 @@
 """The numbers of a report with their errors, as rows of a table on a page."""
 
 import math
-from typing import Any
 
 from celltrain.analyses.base import FORMATS
 from celltrain.explore.engine import Picture
@@ -113,7 +112,7 @@ def motion(base: Base) -> str:
     return f"The cells move at {base.cell_velocity:.4g} U, from left to right."
 
 
-def report(picture: Picture, reading: Reading) -> dict[str, Any]:
+def report(picture: Picture, reading: Reading) -> dict[str, object]:
     """All words and numbers about a picture."""
     return {
         "title": title(picture.base.train, reading, infinite=picture.view.infinite),

@@ -211,7 +211,7 @@ def _over(data: xr.Dataset, parameter: str) -> Figure:
 
 def _indices(data: xr.Dataset, name: str) -> Figure:
     output, names = data.sel(output=name), _parameters(data)
-    bars = []
+    bars: list[dict[str, object]] = []
     for order, color, words in (
         ("first_order", BLUE, "first order: alone"),
         ("total_order", SKY, "total: with all others"),

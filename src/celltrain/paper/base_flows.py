@@ -1,7 +1,6 @@
 """The steady trains that the paper shows: Figs. 5, 15 and 18, and the statement about them."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -75,12 +74,8 @@ def compute(degree: int | None) -> xr.Dataset:
     )
 
 
-def draw(data: Resolutions, path: Path) -> Path:
-    """Figs. 5, 15 and 18: sections along the axis, the flow to the right.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw(data: Resolutions) -> Figure:
+    """Figs. 5, 15 and 18: sections along the axis, the flow to the right."""
     names = [str(each) for each in best(data)["train"].values]
     figure = Figure(figsize=(9.0, 7.4), dpi=200, layout="constrained")
     for axes, name in zip(figure.subplots(4, 2).ravel(), names, strict=True):
@@ -105,8 +100,7 @@ def draw(data: Resolutions, path: Path) -> Path:
         axes.set_title(f"Fig. {name}", fontsize=9, loc="left")
     if PAPER in data and len(data) > 1:
         figure.supxlabel(f"full: converged; dotted: {LABELS[PAPER]}", fontsize=9)
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def findings(data: xr.Dataset) -> list[Finding]:

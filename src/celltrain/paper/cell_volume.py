@@ -1,9 +1,8 @@
 """Reduced volume of the cells: Figs. 17 and 19, and the paper's statements (Sec. V E)."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from celltrain.harmonics import profile_of
 from celltrain.membrane.equilibrium import contact_volume, relaxed_shape
@@ -47,12 +46,8 @@ def family(degree: int | None) -> xr.Dataset:
     )
 
 
-def draw_family(data: Resolutions, path: Path) -> Path:
-    """Fig. 17: the shapes at rest, cut along their axes; dotted at the paper's degree.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw_family(data: Resolutions) -> Figure:
+    """Fig. 17: the shapes at rest, cut along their axes; dotted at the paper's degree."""
     figure, [axes] = side_by_side(1)
     figure.set_size_inches(8.0, 3.4)
     axes.set_title("")
@@ -75,8 +70,7 @@ def draw_family(data: Resolutions, path: Path) -> Path:
     axes.plot([-1.5, -0.5], [1.3, 1.3], "k-", linewidth=2)
     axes.text(-1.0, 1.35, "$r_0$", ha="center", va="bottom", fontsize=9)
     axes.axis("off")
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def family_findings(data: xr.Dataset) -> list[Finding]:
@@ -111,20 +105,15 @@ def family_findings(data: xr.Dataset) -> list[Finding]:
     ]
 
 
-def draw_over_volume(data: Resolutions, path: Path) -> Path:
-    """Fig. 19: alpha over the reduced volume for sparse and dense trains, in the paper's unit.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw_over_volume(data: Resolutions) -> Figure:
+    """Fig. 19: alpha over the reduced volume for sparse and dense trains, in the paper's unit."""
     figure, panels = sparse_and_dense(data, "reduced_volume", HEALTHY)
     for axes in panels:
         axes.set(xlabel="$v$", xlim=(0.38, 1.0))
     last = _last(at(best(data)["spectral_abscissa"], packing=DENSE))
     if np.isfinite(last):
         panels[1].axvspan(last, 1.0, color="0.9")
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def volume_findings(data: xr.Dataset) -> list[Finding]:

@@ -1,9 +1,8 @@
 """Growth of eps_x of the leading mode and of displaced cells: Fig. 11 by the linear theory."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from celltrain.evolution import Leading, RandomDisplacement, linear_prediction
 from celltrain.paper.curves import side_by_side
@@ -44,12 +43,8 @@ def compute(degree: int | None) -> xr.Dataset:
     )
 
 
-def draw(data: Resolutions, path: Path) -> Path:
-    """Fig. 11 by the linear theory: the mode, and the range of the ad hoc disturbances.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw(data: Resolutions) -> Figure:
+    """Fig. 11 by the linear theory: the mode, and the range of the ad hoc disturbances."""
     figure, panels = side_by_side(2)
     for axes, packing in zip(panels, PACKINGS, strict=True):
         for name, each in present(data):
@@ -77,8 +72,7 @@ def draw(data: Resolutions, path: Path) -> Path:
         axes.set(xlabel=r"$t\, U^*/r_0$", ylabel=r"$\varepsilon_x/r_0$")
         axes.set_title(f"{axes.get_title()}  $\\phi$ = {packing:g}", fontsize=10)
     panels[0].legend(fontsize=7, frameon=False)
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def findings(data: xr.Dataset) -> list[Finding]:

@@ -1,9 +1,8 @@
 """The spectrum of two cells with a viscosity ratio of 5: Fig. 3, and the statement about it."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from celltrain.paper.curves import side_by_side
 from celltrain.paper.finding import Finding, finding, in_paper_units, number
@@ -41,12 +40,8 @@ def compute(degree: int | None) -> xr.Dataset:
     )
 
 
-def draw(data: Resolutions, path: Path) -> Path:
-    """Fig. 3: the eigenvalues at two scales, in the paper's unit.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw(data: Resolutions) -> Figure:
+    """Fig. 3: the eigenvalues at two scales, in the paper's unit."""
     figure, panels = side_by_side(2)
     for axes, limits in zip(panels, (WHOLE, NEAR), strict=True):
         for name, each in present(data):
@@ -61,8 +56,7 @@ def draw(data: Resolutions, path: Path) -> Path:
     panels[1].set_ylim(-top, top)
     panels[0].set_ylabel(r"$\mathrm{Im}\,\lambda\; r_0/U^*$")
     panels[0].legend(fontsize=8, frameon=False, loc="upper left")
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def findings(data: xr.Dataset) -> list[Finding]:

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -51,7 +50,7 @@ class PaperFigure:
     """
 
     study: str
-    draw: Callable[[Resolutions, Path], Path]
+    draw: Callable[[Resolutions], Figure]
     findings: Callable[[xr.Dataset], list[Finding]]
     compute: Callable[[int | None], xr.Dataset] | None = None
     needs: str = ""
@@ -72,14 +71,11 @@ def paper_study(figure: PaperFigure, *, quick: bool, degree: int | None = None) 
     return make_study(content)
 
 
-def draw_growth_map(data: Resolutions, path: Path) -> Path:
+def draw_growth_map(data: Resolutions) -> Figure:
     """Fig. 6(a): log10 of alpha over packing and diameter, in the paper's unit.
 
     Below 1e-3, also where nothing grows, the map has one colour, as the paper's. Dashed: the
     contours at the paper's degree beside the converged map.
-
-    Raises:
-        OSError: if the picture cannot be written.
     """
 
     def powers(each: xr.Dataset) -> xr.DataArray:
@@ -92,21 +88,16 @@ def draw_growth_map(data: Resolutions, path: Path) -> Path:
         np.arange(-3.0, -0.49, 0.25),
         (-3.0, -2.5, -2.0, -1.5, -1.0),
         r"$\log_{10}(\alpha\, r_0/U^*)$",
-        path,
     )
 
 
-def draw_transient_map(data: Resolutions, path: Path) -> Path:
-    """Fig. 8(a): eta over packing and diameter, in the paper's unit, with the paper's contours.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw_transient_map(data: Resolutions) -> Figure:
+    """Fig. 8(a): eta over packing and diameter, in the paper's unit, with the paper's contours."""
     eta = {
         label_of(name, each): in_paper_units(each["numerical_abscissa"])
         for name, each in present(data)
     }
-    return _draw(eta, np.arange(10.0, 101.0, 6.0), CONTOURS, r"$\eta\, r_0/U^*$", path)
+    return _draw(eta, np.arange(10.0, 101.0, 6.0), CONTOURS, r"$\eta\, r_0/U^*$")
 
 
 def _draw(
@@ -114,8 +105,7 @@ def _draw(
     levels: np.ndarray,
     contours: tuple[float, ...],
     label: str,
-    path: Path,
-) -> Path:
+) -> Figure:
     """The first map with its contours, and dashed those of the others, by what they are called."""
     figure = Figure(figsize=(5.6, 4.4), dpi=200, layout="constrained")
     axes = figure.subplots()
@@ -139,8 +129,7 @@ def _draw(
     figure.colorbar(filled, ax=axes, label=label)
     axes.set(xlabel=r"$\phi$", ylabel=r"$D/r_0$")
     figure.legend(loc="outside upper left", ncols=2, fontsize=8, frameon=False)
-    figure.savefig(path)
-    return path
+    return figure
 
 
 SIMULATIONS = "simulations: python validation/run.py "

@@ -1,9 +1,8 @@
 """Strength of the flow: Fig. 16, and the paper's statements about it (Sec. V D)."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from celltrain.paper.curves import sparse_and_dense
 from celltrain.paper.finding import (
@@ -42,18 +41,13 @@ def in_paper_axes(data: xr.Dataset) -> xr.Dataset:
     ).rename(mean_velocity="Ca")
 
 
-def draw_over_flow(data: Resolutions, path: Path) -> Path:
-    """Fig. 16: alpha over Ca for sparse and dense trains, in the paper's units.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw_over_flow(data: Resolutions) -> Figure:
+    """Fig. 16: alpha over Ca for sparse and dense trains, in the paper's units."""
     converted = {name: in_paper_axes(each) for name, each in data.items()}
     figure, panels = sparse_and_dense(converted, "Ca", USUAL)
     for axes in panels:
         axes.set(xscale="log", xlabel="Ca", ylim=(0.0, None))
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def flow_findings(data: xr.Dataset) -> list[Finding]:

@@ -1,10 +1,9 @@
 """Growth at first, by the linear theory: Figs. 4 and 9, and the paper's statements about them."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
+from matplotlib.figure import Figure
 
 from celltrain.evolution import linear_prediction
 from celltrain.harmonics import azimuthal_basis
@@ -121,17 +120,17 @@ def _compute(figure: str, degree: int | None) -> xr.Dataset:
     )
 
 
-def draw_small(data: Resolutions, path: Path) -> Path:
+def draw_small(data: Resolutions) -> Figure:
     """Fig. 4 by the linear theory: v_eta and v_alpha over time, in the paper's units."""
-    return _draw(data, 1e-3, path)
+    return _draw(data, 1e-3)
 
 
-def draw_large(data: Resolutions, path: Path) -> Path:
+def draw_large(data: Resolutions) -> Figure:
     """Fig. 9 by the linear theory, in the paper's units."""
-    return _draw(data, 0.1, path)
+    return _draw(data, 0.1)
 
 
-def _draw(data: Resolutions, amplitude: float, path: Path) -> Path:
+def _draw(data: Resolutions, amplitude: float) -> Figure:
     cases = [str(each) for each in best(data)["case"].values]
     figure, panels = side_by_side(len(cases))
     for axes, case in zip(panels, cases, strict=True):
@@ -159,8 +158,7 @@ def _draw(data: Resolutions, amplitude: float, path: Path) -> Path:
         axes.set(xlabel=r"$t\, U^*/r_0$", ylabel=r"$\varepsilon/r_0$", xlim=(1e-3, 1e2))
         axes.set_title(f"{axes.get_title()}  {case}", fontsize=9)
     panels[0].legend(fontsize=7, frameon=False, loc="upper left")
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def small_findings(data: xr.Dataset) -> list[Finding]:

@@ -1,9 +1,8 @@
 """Growth without near neighbours: Fig. 20, and the paper's statement about it (Sec. V F)."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from celltrain.paper.curves import side_by_side
 from celltrain.paper.finding import DENSE, SPARSE, Finding, finding, in_paper_units
@@ -69,12 +68,8 @@ def compute(degree: int | None) -> xr.Dataset:
     )
 
 
-def draw(data: Resolutions, path: Path) -> Path:
-    """Fig. 20: alpha over the neighbours removed on each side, in the paper's unit.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw(data: Resolutions) -> Figure:
+    """Fig. 20: alpha over the neighbours removed on each side, in the paper's unit."""
     figure, panels = side_by_side(2)
     for axes, packing in zip(panels, PACKINGS, strict=True):
         for name, each in present(data):
@@ -94,8 +89,7 @@ def draw(data: Resolutions, path: Path) -> Path:
     figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8, frameon=False)
     if len(data) > 1:
         figure.suptitle(f"lines: {LABELS['converged']}; circles: {LABELS[PAPER]}", fontsize=8)
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def findings(data: xr.Dataset) -> list[Finding]:

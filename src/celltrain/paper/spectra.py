@@ -1,9 +1,8 @@
 """Spectra of deformation: Fig. 10, and the paper's statement about them."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from celltrain.diagnostics import deformation_spectrum
 from celltrain.paper.curves import side_by_side
@@ -46,12 +45,8 @@ def compute(degree: int | None) -> xr.Dataset:
     )
 
 
-def draw(data: Resolutions, path: Path) -> Path:
-    """Fig. 10: the spectra of both disturbances, D = 10, packing 0.7.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw(data: Resolutions) -> Figure:
+    """Fig. 10: the spectra of both disturbances, D = 10, packing 0.7."""
     figure, [axes] = side_by_side(1)
     axes.set_title("")
     for name, each in present(data):
@@ -62,8 +57,7 @@ def draw(data: Resolutions, path: Path) -> Path:
             axes.semilogy(shares, color=color, ms=4, label=words, **style)
     axes.set(xlabel="$n$", ylabel=r"$E_n/\sum_n E_n$", ylim=(1e-10, 2.0))
     axes.legend(fontsize=8, frameon=False)
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def findings(data: xr.Dataset) -> list[Finding]:

@@ -1,10 +1,9 @@
 """Strain energy of disturbances: Table I, and the paper's statements about it (Sec. V G)."""
 
-from pathlib import Path
-
 import numpy as np
 import scipy
 import xarray as xr
+from matplotlib.figure import Figure
 
 from celltrain.membrane import meridian_membrane
 from celltrain.paper.curves import side_by_side
@@ -96,12 +95,8 @@ def least_energy(result: Stability) -> float:
     return float(TO_TABLE * PAPER_AMPLITUDE * least / (2.0 * result.base.train.cells))
 
 
-def draw(data: Resolutions, path: Path) -> Path:
-    """Table I as a picture: energies beside the printed ones.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw(data: Resolutions) -> Figure:
+    """Table I as a picture: energies beside the printed ones."""
     figure, panels = side_by_side(2)
     places = np.arange(len(CORNERS))
     names = [f"{diameter:g}, {packing:g}" for diameter, packing in CORNERS]
@@ -118,8 +113,7 @@ def draw(data: Resolutions, path: Path) -> Path:
         axes.set(xlabel=r"$D/r_0$, $\phi$", yscale="log", xlim=(-0.5, len(places) - 0.5))
         axes.set_ylabel(rf"$W_\{disturbance[2:]}$ ($\mu U^* r_0^2$)")
     panels[0].legend(fontsize=8, frameon=False)
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def findings(data: xr.Dataset) -> list[Finding]:

@@ -1,7 +1,5 @@
 """Streamlines between the cells of steady trains: Fig. 7, and the statement about them."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -13,6 +11,7 @@ from celltrain.paper.resolutions import Resolutions, best
 from celltrain.paper.trains import CELLS, dataset
 from celltrain.parameters import Train
 from celltrain.pictures.streamlines import streamline_panel
+from celltrain.pictures.style import in_style
 from celltrain.steady import Base, steady
 
 DIAMETER = 6.0
@@ -87,15 +86,12 @@ def flow_of(data: xr.Dataset, packing: float) -> MeridionalFlow:
     )
 
 
-def draw(data: Resolutions, path: Path) -> Path:
-    """Fig. 7: streamlines in the frame of the cells, converged if that is there.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+@in_style()
+def draw(data: Resolutions) -> Figure:
+    """Fig. 7: streamlines in the frame of the cells, converged if that is there."""
     chosen = best(data)
     periods = [float(chosen["period"].sel(packing=each)) for each in DRAWN]
-    figure = Figure(figsize=(9.6, 3.4), dpi=200, layout="constrained")
+    figure = Figure(figsize=(9.6, 3.4), layout="constrained")
     panels = figure.subplots(1, len(DRAWN), width_ratios=periods)
     for axes, packing in zip(panels, DRAWN, strict=True):
         outline = chosen["outline"].sel(packing=packing).values
@@ -103,8 +99,7 @@ def draw(data: Resolutions, path: Path) -> Path:
         axes.set_title(rf"$\phi$ = {packing:g}", fontsize=10)
     for axes in panels[1:]:
         axes.set_ylabel("")
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def findings(data: xr.Dataset) -> list[Finding]:

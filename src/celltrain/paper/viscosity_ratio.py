@@ -1,10 +1,10 @@
 """Viscosity inside the cells: Figs. 13 and 14, and the paper's statements about them (Sec. V C)."""
 
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from celltrain.paper.curves import draw_curves, side_by_side
 from celltrain.paper.finding import Finding, at, finding, in_paper_units, number
@@ -21,12 +21,8 @@ SPARSE, DENSE = 0.2, 0.7
 LEAST, ONE, STIFF, MOST = 0.1, 1.0, 20.0, 100.0
 
 
-def draw_over_packing(data: Resolutions, path: Path) -> Path:
-    """Fig. 13: eta and alpha over the packing, in the paper's unit.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+def draw_over_packing(data: Resolutions) -> Figure:
+    """Fig. 13: eta and alpha over the packing, in the paper's unit."""
     figure, (left, right) = side_by_side(2)
 
     def rate(each: xr.Dataset, name: str) -> xr.DataArray:
@@ -44,18 +40,14 @@ def draw_over_packing(data: Resolutions, path: Path) -> Path:
     right.set(xlabel=r"$\phi$", ylabel=r"$\alpha\, r_0/U^*$", yscale="log", ylim=(1e-3, None))
     handles, labels = right.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=7, frameon=False)
-    figure.savefig(path)
-    return path
+    return figure
 
 
-def draw_over_ratio(data: Resolutions, path: Path) -> Path:
+def draw_over_ratio(data: Resolutions) -> Figure:
     """Fig. 14: alpha, tumbling and tank-treading of the leading mode over the viscosity ratio.
 
     Rates of turning for each unit of the disturbance's amplitude, in the paper's unit of time;
     those of the converged modes, if there are any.
-
-    Raises:
-        OSError: if the picture cannot be written.
     """
     figure, panels = side_by_side(2)
     turning = best(data)
@@ -93,8 +85,7 @@ def draw_over_ratio(data: Resolutions, path: Path) -> Path:
         fontsize=7,
         frameon=False,
     )
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def packing_findings(data: xr.Dataset) -> list[Finding]:

@@ -1,6 +1,7 @@
 """The one error that a wrong case raises, and how a validation failure becomes its message."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -11,6 +12,20 @@ from celltrain.parameters.fields import allowed_values, described
 
 class CaseError(ValueError):
     """A case that cannot be computed; the message names the value and what is allowed."""
+
+
+@contextmanager
+def called(**options: str) -> Iterator[None]:
+    """Within this a value that is refused is called by its option, `called(step="euler_step")`.
+
+    Raises:
+        CaseError: as what is done within this, with that name in its message.
+    """
+    try:
+        yield
+    except CaseError as error:
+        name, equals, rest = str(error).partition(" = ")
+        raise CaseError(f"{options.get(name, name)}{equals}{rest}") from None
 
 
 def case_error(error: ValidationError, model: type[BaseModel]) -> CaseError:

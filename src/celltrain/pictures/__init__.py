@@ -1,7 +1,6 @@
 """Pictures of results, drawn with Matplotlib and without its global state."""
 
-from celltrain.pictures.boundary import draw_stability_boundary
-from celltrain.pictures.branch import draw_branch
+from celltrain.pictures.continuation import draw_branch, draw_search, draw_stability_boundary
 from celltrain.pictures.dispersion import draw_dispersion
 from celltrain.pictures.error_bars import draw_error_bars
 from celltrain.pictures.mechanisms import (
@@ -10,11 +9,9 @@ from celltrain.pictures.mechanisms import (
     draw_strain_energies,
 )
 from celltrain.pictures.neighbours import draw_growth_without_neighbours
-from celltrain.pictures.parameters import draw_parameter_sensitivities
 from celltrain.pictures.profile import draw_profile
 from celltrain.pictures.pseudospectrum import draw_pseudospectrum
-from celltrain.pictures.search import draw_search
-from celltrain.pictures.sensitivity import draw_structural_sensitivity
+from celltrain.pictures.sensitivity import draw_parameter_sensitivities, draw_structural_sensitivity
 from celltrain.pictures.spectrum import draw_spectrum
 from celltrain.pictures.streamlines import draw_streamlines
 from celltrain.pictures.train import draw_base_train, draw_leading_mode, draw_transient_mode

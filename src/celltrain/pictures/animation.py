@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from celltrain.parameters import CaseError, Train
 from celltrain.pictures.evolution import check_frames, make_scene
-from celltrain.pictures.style import INK, case_title
+from celltrain.pictures.style import INK, case_title, in_style
 
 WIDTH = 8.0
 DOTS = 110
@@ -19,6 +19,7 @@ DOTS = 110
 FilmProgress = Callable[[int, int], None]
 
 
+@in_style()
 def animate(
     train: Train,
     times: Float[np.ndarray, " time"],
@@ -39,24 +40,18 @@ def animate(
     """
     check_frames(times, shapes)
     writer = film_writer(path, frames_per_second)
-    stage = make_scene(train, shapes)
-    picture = min(WIDTH * stage.ratio, 5.0)
+    scene = make_scene(train, shapes)
+    picture = min(WIDTH * scene.ratio, 5.0)
     text = 0.34
     height = picture + text
-    figure = Figure(figsize=(WIDTH, height), facecolor="white")
+    figure = Figure(figsize=(WIDTH, height))
     with writer.saving(figure, str(path), DOTS):
         for number, (time, shape) in enumerate(zip(times, shapes, strict=True), 1):
             figure.clear()
-            stage.draw(figure.add_axes((0.0, text / height, 1.0, picture / height)), shape)
-            figure.text(
-                0.5,
-                0.5 * text / height,
-                f"$t$ = {time:.1f} $r_0/U$,  {case_title(train)}",
-                ha="center",
-                va="center",
-                fontsize=9.5,
-                color=INK,
-            )
+            scene.draw(figure.add_axes((0.0, text / height, 1.0, picture / height)), shape)
+            words = f"$t$ = {time:.1f} $r_0/U$,  {case_title(train)}"
+            place = (0.5, 0.5 * text / height)
+            figure.text(*place, words, ha="center", va="center", fontsize=9.5, color=INK)
             writer.grab_frame()
             if progress is not None:
                 progress(number, len(times))

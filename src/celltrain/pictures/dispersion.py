@@ -1,32 +1,28 @@
 """Growth rates of an infinite train over the phase from cell to cell."""
 
-from pathlib import Path
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from celltrain.pictures.spectrum import OTHERS
-from celltrain.pictures.style import COLORS
+from celltrain.pictures.spectrum import number_color
+from celltrain.pictures.style import ORANGE, in_style
 from celltrain.stability import InfiniteTrain
 
 
-def draw_dispersion(result: InfiniteTrain, path: Path) -> Path:
+@in_style()
+def draw_dispersion(result: InfiniteTrain) -> Figure:
     """alpha_m(q) and eta_m(q) for each azimuthal number m, with the most unstable wave marked.
 
     The growth rates' axis is linear close to 0 and logarithmic further away, as modes of different
     m decay at very different rates. For m = 0 the curves end before q = 0, where the displacement
     of the train is set aside; the hollow points are what remains.
-
-    Raises:
-        OSError: if the picture cannot be written.
     """
-    figure = Figure(figsize=(10.0, 4.4), dpi=200, layout="constrained")
+    figure = Figure(figsize=(10.0, 4.4), layout="constrained")
     modal, abrupt = figure.subplots(1, 2)
     phases = result.phases / np.pi
     best = result.most_unstable
     for m in result.azimuthal_numbers:
-        color = COLORS[m] if m < len(COLORS) else OTHERS
+        color = number_color(m)
         for axes, values in (
             (modal, result.growth_rates(m)),
             (abrupt, result.numerical_abscissas[m]),
@@ -53,7 +49,7 @@ def draw_dispersion(result: InfiniteTrain, path: Path) -> Path:
         marker="*",
         markersize=13,
         color="none",
-        markerfacecolor="#E69F00",
+        markerfacecolor=ORANGE,
         markeredgecolor="0.2",
         label="most unstable",
         zorder=5,
@@ -63,19 +59,15 @@ def draw_dispersion(result: InfiniteTrain, path: Path) -> Path:
     modal.set_title(
         rf"(a) $\alpha$ = {best.growth_rate:.3g} $U/r_0$ at $q$ = {best.phase / np.pi:.3g}"
         rf" $\pi$, $m$ = {best.azimuthal_number}",
-        loc="left",
-        fontsize=10,
     )
     abrupt.set_ylabel(r"initial growth rate  $\eta_m(q)$  ($U/r_0$)")
-    abrupt.set_title(f"(b) in the norm {result.norm}", loc="left", fontsize=10)
+    abrupt.set_title(f"(b) in the norm {result.norm}")
     for axes in (modal, abrupt):
         _finish(axes)
-    modal.legend(fontsize=9, frameon=False)
-    figure.savefig(path)
-    return path
+    modal.legend()
+    return figure
 
 
 def _finish(axes: Axes) -> None:
     axes.set_xlabel(r"phase from cell to cell  $q/\pi$")
     axes.set_xlim(-0.02, 1.02)
-    axes.tick_params(direction="in", top=True, right=True)

@@ -1,12 +1,10 @@
 """What the leading mode and the disturbance that grows fastest at first do to the cells."""
 
-from pathlib import Path
-
 import numpy as np
 from matplotlib.figure import Figure
 
 from celltrain.diagnostics import Mechanisms
-from celltrain.pictures.style import COLORS
+from celltrain.pictures.style import COLORS, in_style
 
 LABELS = {
     "leading mode": r"$v_\alpha$, leading mode",
@@ -14,13 +12,10 @@ LABELS = {
 }
 
 
-def draw_strain_energies(found: Mechanisms, path: Path) -> Path:
-    """Strain energy of both disturbances by shear, dilatation and bending (Eq. 24, Table I).
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
-    figure = Figure(figsize=(6.0, 3.8), dpi=200, layout="constrained")
+@in_style()
+def draw_strain_energies(found: Mechanisms) -> Figure:
+    """Strain energy of both disturbances by shear, dilatation and bending (Eq. 24, Table I)."""
+    figure = Figure(figsize=(6.0, 3.8), layout="constrained")
     axes = figure.add_subplot()
     parts = tuple(found.strains[0].energies)
     places = np.arange(len(parts) + 1)
@@ -33,33 +28,30 @@ def draw_strain_energies(found: Mechanisms, path: Path) -> Path:
     axes.set_yscale("symlog", linthresh=1e-3 * largest)
     axes.axhline(0.0, color="0.3", linewidth=0.8)
     axes.set_xticks(places, [*parts, "sum"])
+    axes.tick_params(top=False)
     axes.set_ylabel(r"$W$ of a disturbance ($\mu U r_0^2$)")
-    return _finished(figure, path)
+    axes.legend()
+    return figure
 
 
-def draw_deformation_spectra(found: Mechanisms, path: Path) -> Path:
-    """Share of each degree n in both disturbances (E_n of Eq. 16, Fig. 10).
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
-    figure = Figure(figsize=(5.6, 3.8), dpi=200, layout="constrained")
+@in_style()
+def draw_deformation_spectra(found: Mechanisms) -> Figure:
+    """Share of each degree n in both disturbances (E_n of Eq. 16, Fig. 10)."""
+    figure = Figure(figsize=(5.6, 3.8), layout="constrained")
     axes = figure.add_subplot()
     for each, color in zip(found.strains, COLORS, strict=False):
         share = each.spectrum / each.spectrum.sum()
         axes.semilogy(share, "o-", color=color, markersize=4, label=LABELS[each.name])
     axes.set_xlabel("degree $n$")
     axes.set_ylabel(r"$E_n/\sum_n E_n$")
-    return _finished(figure, path)
+    axes.legend()
+    return figure
 
 
-def draw_mode_motions(found: Mechanisms, path: Path) -> Path:
-    """Tumbling and tank-treading of the leading modes (Eqs. 17 to 21).
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
-    figure = Figure(figsize=(2.4 + 0.8 * len(found.modes), 3.8), dpi=200, layout="constrained")
+@in_style()
+def draw_mode_motions(found: Mechanisms) -> Figure:
+    """Tumbling and tank-treading of the leading modes (Eqs. 17 to 21)."""
+    figure = Figure(figsize=(2.4 + 0.8 * len(found.modes), 3.8), layout="constrained")
     axes = figure.add_subplot()
     places = np.arange(len(found.modes))
     parts = (
@@ -73,14 +65,8 @@ def draw_mode_motions(found: Mechanisms, path: Path) -> Path:
         for mode in found.modes
     ]
     axes.set_xticks(places, names, fontsize=8)
+    axes.tick_params(top=False)
     axes.set_xlabel("mode and growth rate ($U/r_0$)")
     axes.set_ylabel("rotation over amplitude ($U/r_0^2$)")
-    return _finished(figure, path)
-
-
-def _finished(figure: Figure, path: Path) -> Path:
-    axes = figure.axes[0]
-    axes.tick_params(direction="in", which="both", right=True)
-    axes.legend(fontsize=9, frameon=False)
-    figure.savefig(path)
-    return path
+    axes.legend()
+    return figure

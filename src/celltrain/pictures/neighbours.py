@@ -1,21 +1,20 @@
 """Growth of a train with the coupling of near neighbours removed (Fig. 20)."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from celltrain.pictures.style import in_style
 from celltrain.stability import GrowthWithout
 
 
-def draw_growth_without_neighbours(trains: dict[str, Sequence[GrowthWithout]], path: Path) -> Path:
+@in_style()
+def draw_growth_without_neighbours(trains: dict[str, Sequence[GrowthWithout]]) -> Figure:
     """alpha~ over the number of neighbours removed on each side, a line for each named train.
 
     The scale is logarithmic beyond a hundredth of the largest growth rate, so that decay shows.
-
-    **Raises:** `OSError` if the picture cannot be written.
     """
-    figure = Figure(figsize=(5.6, 4.0), dpi=200, layout="constrained")
+    figure = Figure(figsize=(5.6, 4.0), layout="constrained")
     axes = figure.subplots()
     for name, each in trains.items():
         axes.plot(
@@ -31,7 +30,5 @@ def draw_growth_without_neighbours(trains: dict[str, Sequence[GrowthWithout]], p
     axes.set_xlabel("neighbours removed on each side")
     axes.set_ylabel(r"largest growth rate $\tilde\alpha$ ($U/r_0$)")
     # Curves may pass anywhere, so the names are above.
-    figure.legend(loc="outside upper center", ncols=2, fontsize=9, frameon=False)
-    axes.tick_params(direction="in", which="both", top=True, right=True)
-    figure.savefig(path)
-    return path
+    figure.legend(loc="outside upper center", ncols=2)
+    return figure

@@ -1,14 +1,12 @@
 """The meridian cross-section of the steady cells in their tube."""
 
-from pathlib import Path
-
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from celltrain.meridian.geometry import meridian_points
-from celltrain.pictures.style import INK
+from celltrain.pictures.style import INK, in_style
 from celltrain.steady import Base
 
 CELLS = 3
@@ -18,12 +16,9 @@ EDGE = "#7A1210"
 WALL = "0.55"
 
 
-def draw_profile(base: Base, path: Path) -> Path:
-    """Three cells cut along the tube's axis, with wall, separation and largest radius.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+@in_style()
+def draw_profile(base: Base) -> Figure:
+    """Three cells cut along the tube's axis, with wall, separation and largest radius."""
     train = base.train
     half = np.stack(meridian_points(base.profile), axis=-1)
     closed = np.concatenate([half, half[::-1] * [-1.0, 1.0]])
@@ -37,7 +32,7 @@ def draw_profile(base: Base, path: Path) -> Path:
     # Wide enough to write on, and not so tall that wide tubes fill the page.
     aspect = (end - start) / (2 * (wall + thickness))
     width = min(10.0, max(5.0, 4.2 * aspect + 1.2))
-    figure = Figure(figsize=(width, 4.4), dpi=200, layout="constrained")
+    figure = Figure(figsize=(width, 4.4), layout="constrained")
     axes = figure.add_subplot()
     axes.set_aspect("equal")
     for side in (-1, 1):
@@ -71,12 +66,8 @@ def draw_profile(base: Base, path: Path) -> Path:
     axes.set_title(
         f"$D$ = {train.tube.diameter:g} $r_0$, $\\phi$ = {train.packing:g}\n"
         f"flow from left to right, cells at {base.cell_velocity:.4g} $U$",
-        loc="left",
-        fontsize=10,
     )
-    axes.tick_params(direction="in")
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def _separation(axes: Axes, base: Base, half: Float[np.ndarray, "point 2"], shift: float) -> None:

@@ -1,11 +1,13 @@
 """All pictures of a simulation, and its film."""
 
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
+from matplotlib.figure import Figure
 
+from celltrain.contract import Draw
 from celltrain.evolution import Run
 from celltrain.pictures.animation import FilmProgress, animate
 from celltrain.pictures.evolution import Growth, draw_snapshots, plot_growth
@@ -16,34 +18,27 @@ SNAPSHOTS = 6
 MOST_FILM_FRAMES = 150
 
 
-def run_pictures(run: Run) -> dict[str, Callable[[Path], Path]]:
+def run_pictures(run: Run) -> dict[str, Draw]:
     """How every picture of a simulation is drawn, by its name.
 
     The growth of the disturbance beside linear theory over time and over its logarithm (Figs. 11
     and 4), the cells at a few times from the beginning to the end (Fig. 12), and what was recorded
     of them. Of a simulation that has only begun, those that it is long enough for.
     """
-    found: dict[str, Callable[[Path], Path]] = {}
+    found: dict[str, Draw] = {}
     if len(run.history["time"]) >= 3:
-        found["growth"] = lambda path: plot_growth(run.train, run_growth(run), path)
-        found["growth_log_time"] = lambda path: plot_growth(
-            run.train, run_growth(run), path, logarithmic_time=True
-        )
-    found["snapshots"] = lambda path: _snapshots(run, path)
+        grown = partial(plot_growth, run.train, run_growth(run))
+        found |= {"growth": grown, "growth_log_time": partial(grown, logarithmic_time=True)}
+    found["snapshots"] = partial(_snapshots, run)
     if len(run.times) >= 2:
-        found["record"] = lambda path: draw_record(run, path)
+        found["record"] = partial(draw_record, run)
     return found
 
 
-def _snapshots(run: Run, path: Path) -> Path:
+def _snapshots(run: Run) -> Figure:
     chosen = spread(len(run.times), SNAPSHOTS)
-    return draw_snapshots(
-        run.train,
-        run.times[chosen],
-        run.shapes[chosen],
-        path,
-        velocities=relative_velocities(run)[chosen],
-    )
+    velocities = relative_velocities(run)[chosen]
+    return draw_snapshots(run.train, run.times[chosen], run.shapes[chosen], velocities=velocities)
 
 
 def animate_run(run: Run, path: Path, *, progress: FilmProgress | None = None) -> Path:

@@ -1,16 +1,15 @@
 """A sample of trains: histograms of what they do, and from which parameters it varies."""
 
-from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from celltrain.contract import Draw
 from celltrain.pictures.study import axis_label
-from celltrain.pictures.style import BLUE, SKY, VERMILION
+from celltrain.pictures.style import BLUE, SKY, VERMILION, in_style
 from celltrain.quantities.fields import unit_label
 
 #: Outputs that are drawn.
@@ -19,11 +18,11 @@ DRAWN = ("spectral_abscissa", "cell_velocity", "effective_viscosity")
 MOST_DOTS = 1000
 
 
-def sample_pictures(data: xr.Dataset) -> dict[str, Callable[[Path], Path]]:
+def sample_pictures(data: xr.Dataset) -> dict[str, Draw]:
     """How histograms, dependences and indices of a sample are drawn, by their names."""
     if not (data["status"] == "finished").any():
         return {}
-    found: dict[str, Callable[[Path], Path]] = {
+    found: dict[str, Draw] = {
         "distributions": partial(draw_distributions, data),
         "growth": partial(draw_growth, data),
     }
@@ -32,13 +31,10 @@ def sample_pictures(data: xr.Dataset) -> dict[str, Callable[[Path], Path]]:
     return found
 
 
-def draw_distributions(data: xr.Dataset, path: Path) -> Path:
-    """A histogram of each main output, with the train of the means and the middle 90 %.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
-    figure = Figure(figsize=(10.0, 3.4), dpi=200, layout="constrained")
+@in_style()
+def draw_distributions(data: xr.Dataset) -> Figure:
+    """A histogram of each main output, with the train of the means and the middle 90 %."""
+    figure = Figure(figsize=(10.0, 3.4), layout="constrained")
     for axes, name in zip(figure.subplots(1, len(DRAWN)), DRAWN, strict=True):
         output = data.sel(output=name)
         values = data[name].values
@@ -53,25 +49,20 @@ def draw_distributions(data: xr.Dataset, path: Path) -> Path:
             central, color=VERMILION, linewidth=1.2, linestyle="--", label="train of the means"
         )
         axes.set_xlabel(output_label(data, name))
-        axes.tick_params(direction="in", top=True, right=True)
         axes.locator_params(axis="x", nbins=5)
         axes.margins(x=0.02)
     first = figure.axes[0]
     first.set_ylabel("trains")
     handles, labels = first.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=3, frameon=False, fontsize=9)
-    figure.savefig(path)
-    return path
+    figure.legend(handles, labels, loc="outside upper left", ncols=3)
+    return figure
 
 
-def draw_growth(data: xr.Dataset, path: Path) -> Path:
-    """The growth rate over each parameter, a dot for each train.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+@in_style()
+def draw_growth(data: xr.Dataset) -> Figure:
+    """The growth rate over each parameter, a dot for each train."""
     names = [str(name) for name in data["parameter"].values]
-    figure = Figure(figsize=(1.0 + 2.6 * len(names), 3.2), dpi=200, layout="constrained")
+    figure = Figure(figsize=(1.0 + 2.6 * len(names), 3.2), layout="constrained")
     panels = figure.subplots(1, len(names), sharey=True, squeeze=False)[0]
     # Of the first matrices alone: no two trains share a value there.
     rates = data["spectral_abscissa"].isel(matrix=slice(0, 2)).values.ravel()
@@ -81,21 +72,16 @@ def draw_growth(data: xr.Dataset, path: Path) -> Path:
         axes.plot(values[::step], rates[::step], ".", color=BLUE, markersize=2.5, alpha=0.5)
         axes.set_xlabel(axis_label(data[name]))
         axes.locator_params(axis="x", nbins=4)
-        axes.tick_params(direction="in", top=True, right=True)
         if np.nanmin(rates) < 0.0 < np.nanmax(rates):
             axes.axhline(0.0, color="0.6", linewidth=0.8)
     panels[0].set_ylabel(output_label(data, "spectral_abscissa"))
-    figure.savefig(path)
-    return path
+    return figure
 
 
-def draw_indices(data: xr.Dataset, path: Path) -> Path:
-    """First-order and total Sobol indices of each main output, with their 95 % intervals.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
-    figure = Figure(figsize=(10.0, 3.6), dpi=200, layout="constrained")
+@in_style()
+def draw_indices(data: xr.Dataset) -> Figure:
+    """First-order and total Sobol indices of each main output, with their 95 % intervals."""
+    figure = Figure(figsize=(10.0, 3.6), layout="constrained")
     panels = figure.subplots(1, len(DRAWN), sharey=True)
     names = [str(name) for name in data["parameter"].values]
     places = np.arange(len(names))
@@ -109,12 +95,11 @@ def draw_indices(data: xr.Dataset, path: Path) -> Path:
         axes.axhline(0.0, color="0.3", linewidth=0.8)
         axes.set_xticks(places, [_symbol(data[each]) for each in names])
         axes.set_title(f"${data[name].attrs['symbol']}$", loc="left", fontsize=11)
-        axes.tick_params(direction="in", right=True)
+        axes.tick_params(top=False)
     panels[0].set_ylabel("part of the variance")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=2, frameon=False, fontsize=9)
-    figure.savefig(path)
-    return path
+    figure.legend(handles, labels, loc="outside upper left", ncols=2)
+    return figure
 
 
 def output_label(data: xr.Dataset, name: str) -> str:

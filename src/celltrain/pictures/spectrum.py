@@ -1,7 +1,5 @@
 """The spectrum at two scales, as in Fig. 3 of the paper."""
 
-from pathlib import Path
-
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from matplotlib.artist import Artist
@@ -11,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from celltrain.pictures.style import COLORS, VERMILION
+from celltrain.pictures.style import COLORS, VERMILION, in_style
 from celltrain.stability import Stability
 
 # Azimuthal numbers that matter get a colour each (Okabe & Ito, safe for colour-blind readers).
@@ -20,28 +18,25 @@ OTHERS = "0.72"
 NEAREST = 24
 
 
-def draw_spectrum(result: Stability, path: Path) -> Path:
+@in_style()
+def draw_spectrum(result: Stability) -> Figure:
     """Growth rate against frequency of all modes, and of those next to the imaginary axis.
 
     Colour is the azimuthal number m; neutral modes are hollow. Modes come as complex conjugates, of
     waves that travel up and down the train; both are drawn.
-
-    Raises:
-        OSError: if the picture cannot be written.
     """
     growth = np.array([mode.growth_rate for mode in result.modes])
     frequency = np.array([mode.frequency for mode in result.modes])
     number = np.array([mode.azimuthal_number for mode in result.modes])
     neutral = np.array([mode.neutral for mode in result.modes])
 
-    figure = Figure(figsize=(10.0, 4.6), dpi=200, layout="constrained")
+    figure = Figure(figsize=(10.0, 4.6), layout="constrained")
     whole, close = figure.subplots(1, 2)
     for axes in (whole, close):
         axes.axvline(0.0, color="0.3", linewidth=0.8, zorder=1)
         axes.axhline(0.0, color="0.85", linewidth=0.8, zorder=0)
         _scatter(axes, growth, frequency, number, neutral)
         axes.set_xlabel(r"growth rate  Re $\lambda$  ($U/r_0$)")
-        axes.tick_params(direction="in", top=True, right=True)
         axes.xaxis.set_major_locator(MaxNLocator(6))
     whole.set_ylabel(r"frequency  Im $\lambda$  ($U/r_0$)")
     whole.margins(0.04)
@@ -65,8 +60,8 @@ def draw_spectrum(result: Stability, path: Path) -> Path:
     abscissa = result.spectral_abscissa
     close.axvline(abscissa, color=VERMILION, linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
     close.set_title(rf"$\alpha$ = {abscissa:.3g} $U/r_0$", loc="right", fontsize=10)
-    whole.set_title("(a) all modes", loc="left", fontsize=10)
-    close.set_title("(b) near the imaginary axis", loc="left", fontsize=10)
+    whole.set_title("(a) all modes")
+    close.set_title("(b) near the imaginary axis")
     whole.add_patch(
         Rectangle(
             (left, -top),
@@ -88,8 +83,7 @@ def draw_spectrum(result: Stability, path: Path) -> Path:
         frameon=False,
         handletextpad=0.1,
     )
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def number_color(number: int) -> str:

@@ -1,16 +1,16 @@
 """A study's numbers over its axes: maps with contours, or curves."""
 
-from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from celltrain.contract import Draw
 from celltrain.parameters.fields import symbol
 from celltrain.parameters.routing import DIMENSIONS, TAKEN
+from celltrain.pictures.style import color_bar, in_style
 from celltrain.quantities.fields import unit_label
 
 #: What is drawn of a study.
@@ -34,7 +34,7 @@ LABELS = {
 MOST_CURVES = 4
 
 
-def study_pictures(data: xr.Dataset) -> dict[str, Callable[[Path], Path]]:
+def study_pictures(data: xr.Dataset) -> dict[str, Draw]:
     """How each number of a study that matters is drawn, by its name.
 
     One picture for each pair of values of the third and further axes, side by side, would be many;
@@ -56,18 +56,18 @@ def axis_label(axis: xr.DataArray) -> str:
     return f"${text}$ ({unit})"
 
 
-def _draw(data: xr.Dataset, name: str, path: Path) -> Path:
+@in_style()
+def _draw(data: xr.Dataset, name: str) -> Figure:
     values = data[name]
     label = f"${values.attrs['symbol']}${unit_label(values.attrs['units'])}"
-    figure = Figure(figsize=(6.0, 4.5), dpi=200, layout="constrained")
+    figure = Figure(figsize=(6.0, 4.5), layout="constrained")
     axes = figure.subplots()
     if values.ndim == 2 and min(values.shape) > MOST_CURVES:
         draw_map(axes, values, label)
     else:
         errors = data.get("error_estimate") if name == "spectral_abscissa" else None
         draw_curves(axes, values, label, errors)
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def draw_map(axes: Axes, values: xr.DataArray, label: str) -> None:
@@ -80,7 +80,7 @@ def draw_map(axes: Axes, values: xr.DataArray, label: str) -> None:
     )
     axes.clabel(lines, fontsize=7)
     mark_cases(axes, values)
-    axes.figure.colorbar(filled, ax=axes, label=label)
+    color_bar(axes, filled, label)
     axes.set(xlabel=axis_label(values[right]), ylabel=axis_label(values[up]))
 
 
@@ -113,8 +113,7 @@ def draw_curves(axes: Axes, values: xr.DataArray, label: str, errors: xr.DataArr
             label=None if value is None else f"{axis_label(values[others[0]])} = {value:g}",
         )
     if others:
-        axes.legend(fontsize=9, frameon=False)
+        axes.legend()
     if (values < 0).any():
         axes.axhline(0.0, color="0.6", linewidth=0.8)
     axes.set(xlabel=axis_label(values[right]), ylabel=label)
-    axes.tick_params(direction="in", top=True, right=True)

@@ -1,4 +1,11 @@
-"""What all pictures share: colours that colour-blind readers tell apart, and the case in words."""
+"""What all pictures share: a style, colours that colour-blind readers tell apart, words."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 
 from celltrain.parameters import Train
 
@@ -9,6 +16,33 @@ ORANGE, SKY = "#E69F00", "#56B4E9"
 COLORS = (BLUE, VERMILION, GREEN, PURPLE)
 #: Letters and lines that are no data; data in the background.
 INK, GREY = "0.15", "0.6"
+
+
+@contextmanager
+def in_style() -> Iterator[None]:
+    """Draw within this, or a function that it decorates, in one style, whatever the user's is."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(
+            {
+                "figure.dpi": 200,
+                "axes.titlelocation": "left",
+                "axes.titlesize": 10,
+                "legend.fontsize": 9,
+                "legend.frameon": False,
+                "xtick.direction": "in",
+                "xtick.top": True,
+                "ytick.direction": "in",
+                "ytick.right": True,
+            }
+        )
+        yield
+
+
+def color_bar(axes: Axes, drawn: ScalarMappable, label: str) -> None:
+    """A bar beside the axes that says which colour is which number."""
+    bar = axes.figure.colorbar(drawn, ax=axes, label=label)
+    bar.ax.tick_params(direction="out")
 
 
 def case_title(train: Train) -> str:

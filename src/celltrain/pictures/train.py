@@ -1,6 +1,6 @@
 """Trains of shaded cells in their tube: at rest, and with a disturbance added (Figs. 5, 6b, 8b)."""
 
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -14,9 +14,9 @@ from celltrain.parameters import Train
 from celltrain.pictures.camera import Camera
 from celltrain.pictures.disturbance import Drawn, draw_amplitude
 from celltrain.pictures.render import draw_surfaces
-from celltrain.pictures.style import INK, case_title
+from celltrain.pictures.style import INK, case_title, in_style
 from celltrain.pictures.surface import surface
-from celltrain.pictures.tube import draw_tube
+from celltrain.pictures.tube import TubeView, tube_view
 from celltrain.stability import Stability
 from celltrain.steady import Base
 
@@ -25,29 +25,21 @@ MOST_CELLS = 12
 FEWEST_CELLS = 3
 
 
-def draw_base_train(base: Base, path: Path) -> Path:
-    """Picture of the steady train, every cell in its place; returns `path`.
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+@in_style()
+def draw_base_train(base: Base) -> Figure:
+    """The steady train, every cell in its place."""
     train = base.train
     shapes = np.broadcast_to(base.coefficients, (train.cells, *base.coefficients.shape))
-    figure = _figure(
+    return _figure(
         train,
         np.asarray(shapes),
         f"Steady train, {case_title(train)}: the cells move at {base.cell_velocity:.4g} $U$.",
     )
-    figure.savefig(path)
-    return path
 
 
-def draw_leading_mode(result: Stability, path: Path) -> Path:
-    """Picture of the train plus its fastest growing disturbance, neutral ones set aside (Fig. 6b).
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+@in_style()
+def draw_leading_mode(result: Stability) -> Figure:
+    """The train plus its fastest growing disturbance, neutral ones set aside (Fig. 6b)."""
     mode = result.leading
     fate = "Fastest growing" if mode.growth_rate > 0 else "Slowest decaying"
     return _draw_disturbed(
@@ -56,16 +48,12 @@ def draw_leading_mode(result: Stability, path: Path) -> Path:
         f"{fate} disturbance",
         f"{_pattern(mode.azimuthal_number, mode.wave_number, result)}, "
         f"growth rate {mode.growth_rate:.3g} $U/r_0$",
-        path,
     )
 
 
-def draw_transient_mode(result: Stability, path: Path) -> Path:
-    """Picture of the train plus the disturbance that grows most at first (Fig. 8b).
-
-    Raises:
-        OSError: if the picture cannot be written.
-    """
+@in_style()
+def draw_transient_mode(result: Stability) -> Figure:
+    """The train plus the disturbance that grows most at first (Fig. 8b)."""
     transient = result.transient
     return _draw_disturbed(
         result,
@@ -73,7 +61,6 @@ def draw_transient_mode(result: Stability, path: Path) -> Path:
         "Disturbance that grows fastest at first",
         f"{_pattern(transient.azimuthal_number, transient.wave_number, result)}, "
         f"initial growth rate {transient.growth_rate:.3g} $U/r_0$",
-        path,
     )
 
 
@@ -82,17 +69,16 @@ def _draw_disturbed(
     disturbance: Float[np.ndarray, "cell 3 coefficient"],
     name: str,
     facts: str,
-    path: Path,
-) -> Path:
+) -> Figure:
     train = result.base.train
     drawn: Drawn = draw_amplitude(
         result.base.coefficients,
         disturbance,
         period=train.period,
         radius=train.radius,
-        camera=_camera(train, _window(train)),
+        camera=_tube(train).camera,
     )
-    figure = _figure(
+    return _figure(
         train,
         drawn.coefficients,
         f"{name}, {case_title(train)}: {facts}.\n"
@@ -100,8 +86,6 @@ def _draw_disturbed(
         "dashed, the undisturbed cells.",
         ghost=result.base.coefficients,
     )
-    figure.savefig(path)
-    return path
 
 
 def _window(train: Train) -> Int[np.ndarray, "place"]:
@@ -112,12 +96,9 @@ def _window(train: Train) -> Int[np.ndarray, "place"]:
     return np.arange(places) % train.cells
 
 
-def _camera(train: Train, window: Int[np.ndarray, "place"]) -> Camera:
-    length = len(window) * train.period
-    middle = 0.5 * (len(window) - 1) * train.period
-    # Flatter for long trains, which slight perspective would otherwise shrink too much downstream.
-    distance = 2.6 * length + 3.0 * train.tube.diameter
-    return Camera(np.array([0.0, 0.0, middle]), distance)
+def _tube(train: Train) -> TubeView:
+    """The tube around the places drawn."""
+    return tube_view(train, -0.5 * train.period, len(_window(train)) * train.period)
 
 
 def _figure(
@@ -128,8 +109,7 @@ def _figure(
     ghost: Float[np.ndarray, "3 coefficient"] | None = None,
 ) -> Figure:
     """The picture itself: tube, cells, arrow of the flow, caption."""
-    window = _window(train)
-    camera = _camera(train, window)
+    window, tube = _window(train), _tube(train)
     # Faces of about three dots, whether a few cells fill the picture or many share it.
     latitudes = int(np.clip(1300 / (len(window) * train.period), 48, 72))
     mesh = surface(degree_of(shapes), latitudes, 4 * latitudes // 3)
@@ -137,22 +117,27 @@ def _figure(
     shift[:, 0, 2] = train.period * np.arange(len(window))
     local = mesh.vertices(shapes[window])
     vertices = local + shift
-    start = -0.5 * train.period
-    end = start + len(window) * train.period
     # Cells of a dense train reach beyond their own period: let the tube cover them.
-    start = min(start, float(vertices[..., 2].min()) - 0.35)
-    end = max(end, float(vertices[..., 2].max()) + 0.35)
+    start = min(tube.start, float(vertices[..., 2].min()) - 0.35)
+    end = max(tube.end, float(vertices[..., 2].max()) + 0.35)
+    tube = replace(tube, start=start, end=end)
 
-    figure = Figure(figsize=(10.0, 4.0), dpi=200, facecolor="white")
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set_axis_off()
-    axes.set_aspect("equal")
-    draw_tube(axes, camera, train.radius, start, end)
-    draw_surfaces(axes, camera, vertices, mesh.normals(local), mesh.faces)
+    # At least as wide as the caption needs, and not taller than a page.
+    lowest = min(height for _, height in _flow_arrow(tube)) - 0.2
+    width, tall = np.ptp(tube.limits(lowest), axis=0)
+    inches = 10.0
+    picture = min(inches * tall / width, 5.6)
+    caption += _shown(train, window)
+    text = 0.16 + 0.2 * (caption.count("\n") + 1)
+    height = picture + text
+    figure = Figure(figsize=(inches, height))
+    axes = figure.add_axes((0.0, text / height, 1.0, picture / height))
+    tube.draw(axes, lowest)
+    draw_surfaces(axes, tube.camera, vertices, mesh.normals(local), mesh.faces)
     if ghost is not None:
-        _outlines(axes, camera, mesh.vertices(ghost) + shift)
-    lowest = _flow_arrow(axes, camera, train.radius, start, end)
-    _frame(figure, axes, camera, train.radius, start, end, lowest, caption + _extent(train, window))
+        _outlines(axes, tube.camera, mesh.vertices(ghost) + shift)
+    _draw_arrow(axes, *_flow_arrow(tube))
+    figure.text(0.5, 0.1 / height, caption, ha="center", va="bottom", fontsize=9.5, color=INK)
     return figure
 
 
@@ -171,65 +156,22 @@ def _outlines(axes: Axes, camera: Camera, vertices: Float[np.ndarray, "cell vert
         )
 
 
-def _flow_arrow(axes: Axes, camera: Camera, radius: float, start: float, end: float) -> float:
-    """Arrow along the tube, below its inlet half; returns the lowest height it takes."""
-    length = min(0.22 * (end - start), 5.0)
-    line = np.array([[0.0, -1.12 * radius, start], [0.0, -1.12 * radius, start + length]])
-    (tail, head), _ = camera.project(line)
+def _flow_arrow(tube: TubeView) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Tail and head of an arrow along the tube, below its inlet half."""
+    length = min(0.22 * (tube.end - tube.start), 5.0)
+    line = [[0.0, -1.12 * tube.radius, height] for height in (tube.start, tube.start + length)]
+    (tail, head), _ = tube.camera.project(np.array(line))
+    return (tail[0], tail[1]), (head[0], head[1])
+
+
+def _draw_arrow(axes: Axes, tail: tuple[float, float], head: tuple[float, float]) -> None:
     axes.add_patch(
         FancyArrowPatch(
             tail, head, arrowstyle="-|>", mutation_scale=14, linewidth=1.4, color=INK, zorder=4
         )
     )
-    axes.annotate(
-        "flow",
-        head,
-        xytext=(5, 0),
-        textcoords="offset points",
-        va="center",
-        ha="left",
-        fontsize=10,
-        color=INK,
-    )
-    return float(min(tail[1], head[1]))
-
-
-def _frame(
-    figure: Figure,
-    axes: Axes,
-    camera: Camera,
-    radius: float,
-    start: float,
-    end: float,
-    lowest: float,
-    caption: str,
-) -> None:
-    """Fit the axes to the tube and the figure to the axes, with the caption below."""
-    angle = np.linspace(0.0, 2 * np.pi, 60)
-    rings = np.stack(
-        [
-            np.stack([radius * np.cos(angle), radius * np.sin(angle), 0 * angle + z], axis=-1)
-            for z in (start, end)
-        ]
-    )
-    flat = camera.project(rings)[0].reshape(-1, 2)
-    low, high = flat.min(axis=0), flat.max(axis=0)
-    low[1] = min(low[1], lowest - 0.2)
-    margin = 0.02 * (high[0] - low[0])
-    low, high = low - margin, high + margin
-    width, tall = high - low
-
-    # At least as wide as the caption needs, and not taller than a page.
-    inches = 10.0
-    picture = min(inches * tall / width, 5.6)
-    text = 0.16 + 0.2 * (caption.count("\n") + 1)
-    figure.set_size_inches(inches, picture + text)
-    axes.set_position((0.0, text / (picture + text), 1.0, picture / (picture + text)))
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
-    figure.text(
-        0.5, 0.1 / (picture + text), caption, ha="center", va="bottom", fontsize=9.5, color=INK
-    )
+    place = "offset points"
+    axes.annotate("flow", head, (5, 0), textcoords=place, va="center", fontsize=10, color=INK)
 
 
 def _pattern(azimuthal_number: int, wave_number: int, result: Stability) -> str:
@@ -243,7 +185,7 @@ def _pattern(azimuthal_number: int, wave_number: int, result: Stability) -> str:
     return f"$m$ = {azimuthal_number}, $j$ = {wave_number} ({wave})"
 
 
-def _extent(train: Train, window: Int[np.ndarray, "place"]) -> str:
+def _shown(train: Train, window: Int[np.ndarray, "place"]) -> str:
     if len(window) < train.cells:
         return f" The first {len(window)} of {train.cells} cells are shown."
     if len(window) > train.cells:

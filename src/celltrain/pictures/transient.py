@@ -1,31 +1,27 @@
 """Transient growth over time, and the cell before and after it."""
 
-from pathlib import Path
-
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from celltrain.harmonics import degree_of, real_harmonics
-from celltrain.pictures.spectrum import OTHERS
-from celltrain.pictures.style import COLORS, INK
+from celltrain.pictures.spectrum import number_color
+from celltrain.pictures.style import COLORS, INK, ORANGE, SKY, in_style
 from celltrain.stability import TransientGrowth
 
 # Largest displacement of the outlines drawn, in r0.
 DISPLACEMENT = 0.25
 
 
-def draw_transient_growth(growth: TransientGrowth, path: Path) -> Path:
+@in_style()
+def draw_transient_growth(growth: TransientGrowth) -> Figure:
     """G(t), its bounds and two disturbances over time; the optimal one's cell, cut along the axis.
 
     The outlines are the first cell before (dashed: the steady one) and after, both with the same
     largest displacement; how much the disturbance has grown stands above.
-
-    Raises:
-        OSError: if the picture cannot be written.
     """
-    figure = Figure(figsize=(11.0, 4.4), dpi=200, layout="constrained")
+    figure = Figure(figsize=(11.0, 4.4), layout="constrained")
     curves, before, after = figure.subplots(1, 3, width_ratios=[2.2, 1.0, 1.0])
     _curves(curves, growth)
     optimal = growth.optimal
@@ -37,8 +33,7 @@ def draw_transient_growth(growth: TransientGrowth, path: Path) -> Path:
         after, shape, final[0], f"after {optimal.time:.3g} $r_0/U$: {optimal.growth:.3g} times"
     )
     before.set_xlabel(f"optimal: $m$ = {optimal.azimuthal_number}, $q$ = 2$\\pi$ {j}/{cells}")
-    figure.savefig(path)
-    return path
+    return figure
 
 
 def _curves(axes: Axes, growth: TransientGrowth) -> None:
@@ -46,7 +41,7 @@ def _curves(axes: Axes, growth: TransientGrowth) -> None:
     seen = times > 0.0
     for m in sorted({block.azimuthal_number for block in growth.blocks})[: len(COLORS)]:
         best = np.max([b.growth for b in growth.blocks if b.azimuthal_number == m], axis=0)
-        color = COLORS[m] if m < len(COLORS) else OTHERS
+        color = number_color(m)
         axes.plot(times[seen], best[seen], color=color, linewidth=1.3, label=f"$m$ = {m}")
     whole = growth.growth
     axes.plot(
@@ -62,8 +57,8 @@ def _curves(axes: Axes, growth: TransientGrowth) -> None:
             times[seen], bound[seen], color=INK, linewidth=1.0, linestyle=(0, dashes), label=name
         )
     for values, name, color in (
-        (growth.abrupt, r"$|e^{At} v_\eta|$", "#E69F00"),
-        (growth.modal, r"$|e^{At} v_\alpha|$", "#56B4E9"),
+        (growth.abrupt, r"$|e^{At} v_\eta|$", ORANGE),
+        (growth.modal, r"$|e^{At} v_\alpha|$", SKY),
     ):
         axes.plot(times[seen], values[seen], color=color, linewidth=1.3, label=name)
     optimal = growth.optimal
@@ -75,7 +70,6 @@ def _curves(axes: Axes, growth: TransientGrowth) -> None:
     axes.set_xlim(times[seen][0], times[-1])
     axes.set_xlabel("$t$ ($r_0/U$)")
     axes.set_ylabel(f"growth in the norm {growth.norm}")
-    axes.tick_params(direction="in", which="both", top=True, right=True)
     axes.legend(fontsize=8, frameon=False, ncols=2, loc="upper left")
 
 
@@ -101,4 +95,3 @@ def _outline(
     axes.set_aspect("equal")
     axes.set_title(title, loc="left", fontsize=9)
     axes.set_ylabel("$x$ ($r_0$)")
-    axes.tick_params(direction="in", top=True, right=True)

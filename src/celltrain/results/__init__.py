@@ -3,9 +3,9 @@
 What files need takes half a second to load: it is imported when it is asked for.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from celltrain.later import imported_later
 from celltrain.results.lock import only_writer
 from celltrain.results.plain import Plain, plain, summary
 from celltrain.results.replace import remove_leftovers, replace_file
@@ -20,16 +20,6 @@ if TYPE_CHECKING:
         to_dataset,
         write_dataset,
     )
-
-_OF_FILES = (
-    "ForeignFile",
-    "from_dataset",
-    "read",
-    "read_dataset",
-    "save",
-    "to_dataset",
-    "write_dataset",
-)
 
 __all__ = [
     "ForeignFile",
@@ -47,8 +37,17 @@ __all__ = [
     "write_dataset",
 ]
 
-
-def __getattr__(name: str) -> object:
-    if name not in _OF_FILES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.netcdf"), name)
+__getattr__ = imported_later(
+    __name__,
+    {
+        "netcdf": (
+            "ForeignFile",
+            "from_dataset",
+            "read",
+            "read_dataset",
+            "save",
+            "to_dataset",
+            "write_dataset",
+        )
+    },
+)

@@ -11,7 +11,7 @@ from celltrain.quantities import Record
 from celltrain.results.columns import from_variables, to_variables
 from celltrain.results.labelled import Labelled
 from celltrain.results.replace import replace_file
-from celltrain.results.version import version
+from celltrain.version import __version__
 
 #: Number of the files' form: it grows when older files cannot be read any longer.
 FORM = 2
@@ -35,7 +35,7 @@ def to_dataset(result: Record) -> xr.Dataset:
     header = {
         "title": result.title,
         "kind": result.kind,
-        "celltrain_version": version(),
+        "celltrain_version": __version__,
         "form": FORM,
         "units": UNITS,
     }
@@ -137,7 +137,7 @@ def reading(data: xr.Dataset) -> Iterator[None]:
     if form != FORM:
         raise OSError(
             f"it was written by celltrain {writer} in {age} form ({form}; celltrain"
-            f" {version()} reads form {FORM}); "
+            f" {__version__} reads form {FORM}); "
             + ("it has to be computed anew" if form < FORM else "a newer celltrain is needed")
         )
     try:
@@ -145,6 +145,6 @@ def reading(data: xr.Dataset) -> Iterator[None]:
     except KeyError as error:
         missing = str(error.args[0]).split(". ")[0]
         raise OSError(
-            f"it was written by celltrain {writer} and lacks what celltrain {version()} needs"
+            f"it was written by celltrain {writer} and lacks what celltrain {__version__} needs"
             f" ({missing}); it has to be computed anew"
         ) from None

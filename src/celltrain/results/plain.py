@@ -10,7 +10,7 @@ import numpy as np
 from celltrain.parameters import Train
 from celltrain.quantities import Record
 from celltrain.quantities.fields import hints, properties
-from celltrain.results.version import version
+from celltrain.version import __version__
 
 #: What JSON can hold.
 Plain: TypeAlias = bool | int | float | str | Sequence[object] | Mapping[str, object] | None
@@ -25,7 +25,7 @@ def summary(result: Record) -> dict[str, Plain]:
     """
     content = plain(result)
     assert isinstance(content, dict)
-    return {"version": version(), "kind": result.kind, **content}
+    return {"version": __version__, "kind": result.kind, **content}
 
 
 def plain(value: object) -> Plain:

@@ -16,9 +16,9 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from celltrain.parameters import Train
 from celltrain.results import read, remove_leftovers, replace_file, save
-from celltrain.results.version import version
 from celltrain.steady import Base
 from celltrain.study.computation import Outcome
+from celltrain.version import __version__
 
 
 class CaseRecord(BaseModel):
@@ -52,7 +52,7 @@ class Store:
 
         Scales are left out, as they do not enter a dimensionless computation.
         """
-        content = {"version": version(), "case": train.sections(), "computed": self._settings}
+        content = {"version": __version__, "case": train.sections(), "computed": self._settings}
         text = json.dumps(content, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:24]
 
@@ -103,7 +103,7 @@ class Store:
     ) -> CaseRecord:
         record = CaseRecord(
             address=self.address(train),
-            version=version(),
+            version=__version__,
             status=status,
             reason=reason,
             origin=origin,

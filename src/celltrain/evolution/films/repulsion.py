@@ -45,13 +45,13 @@ class Repulsion:
     def __post_init__(self) -> None:
         if not 0.0 <= self.range <= LARGEST_RANGE:
             raise CaseError(
-                f"repulsion range = {self.range!r} is not allowed; allowed: 0 (none) to"
+                f"repulsion_range = {self.range!r} is not allowed; allowed: 0 (none) to"
                 f" {LARGEST_RANGE:g} r0"
             )
         if not (np.isfinite(self.strength) and self.strength > 0.0):
             raise CaseError(
-                f"repulsion strength = {self.strength!r} is not allowed; allowed: a number > 0"
-                " (range 0 switches the repulsion off)"
+                f"repulsion_strength = {self.strength!r} is not allowed; allowed: a number > 0"
+                " (repulsion_range = 0 switches the repulsion off)"
             )
 
     def energy_density(self, gap: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:

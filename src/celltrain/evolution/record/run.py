@@ -35,9 +35,7 @@ class Run(Record):
     title: ClassVar[str] = "simulation of a disturbed train of cells in a tube"
 
     start: Base | Stability
-    disturbance: Annotated[
-        str, Quantity("", "1", "what was done to the steady train, as it is written in Python")
-    ]
+    disturbance: Annotated[str, Quantity("", "1", "what was done to the steady train, in words")]
     growth_rate: Annotated[
         float,
         Quantity(

@@ -18,8 +18,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from celltrain.parameters import CaseError, Train
-from celltrain.results.version import version
 from celltrain.study.sampling.draws import DrawRecord
+from celltrain.version import __version__
 
 #: Name of the file.
 FILE = "trains.sqlite"
@@ -46,7 +46,7 @@ class DrawStore:
     def __init__(self, connection: sqlite3.Connection, settings: Mapping[str, object]) -> None:
         self._connection = connection
         self._settings = dict(settings)
-        self._version = version()
+        self._version = __version__
 
     def address(self, train: Train, *, checked: bool) -> str:
         """The train's address, 24 hexadecimal digits; scales are left out."""
