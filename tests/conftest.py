@@ -1,11 +1,6 @@
-"""What several tests share. Annotations of arrays are checked while the tests run.
-
-Programs of JAX are compiled without LLVM's optimisations, which take longer than most tests need to
-run; `test_optimised` compares one with its usual form.
-"""
+"""What several tests share. Annotations of arrays are checked while the tests run."""
 
 # ruff: noqa: E402
-import os
 import sys
 from collections.abc import Callable, Iterator
 
@@ -13,10 +8,7 @@ import numpy as np
 import pytest
 from jaxtyping import install_import_hook
 
-# Before anything of the package is imported, and JAX with it.
-QUICK = "--xla_backend_optimization_level=0"
-os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {QUICK}".strip()
-# Cases check themselves.
+# Before anything of the package is imported, and JAX with it. Cases check themselves.
 TYPED = (
     "harmonics",
     "membrane",

@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from celltrain import __version__
+
 yaml = pytest.importorskip("yaml")
 
 ROOT = Path(__file__).parents[1]
@@ -38,7 +40,7 @@ def test_the_recipe_asks_for_what_the_package_asks_for() -> None:
     extras = PROJECT["optional-dependencies"]
     users = (extras[name] for name in ("simulations", "studies", "explore"))
     assert required(asked["run_constraints"]) == required(*users)
-    assert recipe()["context"]["version"] == PROJECT["version"]
+    assert recipe()["context"]["version"] == __version__
 
 
 def test_the_recipe_builds_as_the_package_does() -> None:

@@ -85,12 +85,13 @@ def test_curves_as_the_paper_describes_them(name: str, tmp_path: Path) -> None:
     found = verdicts(name, data)
     assert found
     assert all(found)
-    path = FIGURES[name].draw({"converged": data, "paper": data}, tmp_path / f"{name}.png")
+    path = tmp_path / f"{name}.png"
+    FIGURES[name].draw({"converged": data, "paper": data}).savefig(path)
     assert path.stat().st_size > 10_000
     # With nothing computed nothing is known, and the picture is empty.
     nothing = collect(paper_study(FIGURES[name], quick=True), {}).data
     assert set(verdicts(name, nothing)) == {None}
-    FIGURES[name].draw({"paper": nothing}, tmp_path / "empty.png")
+    FIGURES[name].draw({"paper": nothing}).savefig(tmp_path / "empty.png")
 
 
 @pytest.mark.parametrize(
@@ -126,4 +127,6 @@ def test_the_family_of_shapes(tmp_path: Path) -> None:
     assert float(data["thickness"][-1]) == pytest.approx(float(height), rel=1e-5)
     # Without repulsion faces meet at a volume at which ours act.
     assert 0.4 < data["contact"] < 0.6
-    assert FIGURES["fig17"].draw({"paper": data}, tmp_path / "family.png").stat().st_size > 10_000
+    path = tmp_path / "family.png"
+    FIGURES["fig17"].draw({"paper": data}).savefig(path)
+    assert path.stat().st_size > 10_000

@@ -331,7 +331,7 @@ def test_records_come_back_as_they_were(tmp_path: Path, monkeypatch) -> None:
     assert found["b"] == DrawRecord("failed", "why", {})
     assert repr(found["a"]) == repr(replace(record))
     # Another version computes anew.
-    monkeypatch.setattr("celltrain.study.sampling.store.version", lambda: "9.9")
+    monkeypatch.setattr("celltrain.study.sampling.store.__version__", "9.9")
     with draw_store(tmp_path, {"kind": "sample"}) as store:
         assert store.records() == {}
 

@@ -208,7 +208,7 @@ def test_addresses_tell_cases_apart_that_differ(tmp_path: Path, monkeypatch) -> 
         store.address(train.changed(cells=9)),
         Store(tmp_path, {"kind": "other"}).address(train),
     ]
-    monkeypatch.setattr("celltrain.study.store.version", lambda: "9.9")
+    monkeypatch.setattr("celltrain.study.store.__version__", "9.9")
     others.append(store.address(train))
     assert len({address, *others}) == 5
 

@@ -1,7 +1,8 @@
 """Kernels of the three-dimensional operator, and loops over pairs that XLA's own code does slowly.
 
 The kernels' arithmetic stands once, in `kernels`. Sums over pairs are loops compiled by Numba where
-these serve, and plain formulas for JAX everywhere else (`dispatch`).
+these serve, their work shared among threads (`shared_work`), and plain formulas for JAX everywhere
+else (`dispatch`).
 """
 
 from celltrain.compiled.call_frame import LOOPS_SERVE

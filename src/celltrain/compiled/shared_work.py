@@ -153,7 +153,7 @@ def shared(frame: int, address: int) -> None:
     api, context = caller[API], caller[CONTEXT]
     work = _malloc(8 * _WORDS)
     state = words(work, _WORDS)
-    helpers = min(_threads(api, context) - 1, _MOST_THREADS)
+    helpers = max(0, min(_threads(api, context) - 1, _MOST_THREADS))
     state[_FRAME], state[_NEXT], state[_COMPUTING], state[_CLOSED] = frame, 0, 0, 0
     state[_HOLDERS] = helpers + 2
     for _ in range(helpers):
