@@ -10,48 +10,38 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pytest
+from numba import njit
 
-from celltrain.compiled import LOOPS_SERVE, loop
-from celltrain.compiled.call_frame import describe, handler, is_question, numbers, result
-from celltrain.compiled.shared_work import (
-    begins,
-    ends,
-    frame_of,
-    next_part,
-    shared,
-    task,
-    task_address,
-)
+from celltrain.compiled import loop
+from celltrain.compiled.call_frame import FLOATS, answered, handler, numbers, result
+from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
 
 COUNTING = "celltrain_test_counting"
 PARTS = 97
 
-pytestmark = pytest.mark.skipif(not LOOPS_SERVE, reason="compiled loops are not used here")
+
+@njit
+def _count(frame: int, work: int) -> None:
+    given, found = numbers(frame, 0), result(frame)
+    part = next_part(work)
+    while part < found.size:
+        value = given[part % given.size]
+        for _ in range(2000):
+            value = math.cos(value)
+        found[part] += 1.0 + 0.0 * value
+        part = next_part(work)
 
 
 @task(COUNTING)
 def _counting_task(work: int) -> int:
-    if begins(work):
-        frame = frame_of(work)
-        given, found = numbers(frame, 0), result(frame)
-        part = next_part(work)
-        while part < found.size:
-            value = given[part % given.size]
-            for _ in range(2000):
-                value = math.cos(value)
-            found[part] += 1.0 + 0.0 * value
-            part = next_part(work)
-    return ends(work)
+    return computed(_count, work)
 
 
 @handler(COUNTING)
 def _counting_handler(frame: int) -> int:
-    if is_question(frame):
-        return describe(frame)
-    result(frame)[:] = 0.0
-    shared(frame, task_address(COUNTING))
-    return 0
+    if not answered(frame, (FLOATS,)):
+        result(frame)[:] = 0.0
+    return shared(frame, (FLOATS,), task_address(COUNTING))
 
 
 @jax.jit

@@ -7,18 +7,15 @@ Before the first call it asks for the version that the function was written for.
 
     @handler("name")
     def loop(frame_address):
-        if is_question(frame_address):
-            return describe(frame_address)
-        if not fits(frame_address, (FLOATS,)):
-            return refuse(frame_address)
-        values = numbers(frame_address, 0)
-        result(frame_address)[:] = ...
+        if not answered(frame_address, (FLOATS,)):
+            values = numbers(frame_address, 0)
+            result(frame_address)[:] = ...
         return 0
 
 which `dispatch.compiled_or_plain` calls. Arrays are handed over flat, in C order; a loop must not
 raise. Numba keeps the machine code beside the source files, or in its cache folder where these
 cannot be written; after a change in this module or in what the loops share (`kernels`,
-`near_loops`, `polar_lanes`) remove it.
+`near_loops`, `polar_lanes`, `shared_work`) remove it.
 
 All numbers below are compared with the header when this module is imported. Where they differ from
 it, or the machine is not one of 64 bits with the lowest byte first, no loop is compiled or used.
@@ -58,11 +55,11 @@ FLOATS, INTEGERS, FLAGS = 12, 5, 1
 _KIND, _QUESTION, _ANSWER = 1, 1, 3
 _VERSION, _TRAITS, _ANSWER_WORDS = 3, 4, 5
 _MAJOR, _MINOR = 0, 3
-
-
 # Versions that take what was written for the first, and their names of what extends a frame.
 _MINORS = {3: "XLA_FFI_Extension_Base", 4: "XLA_FFI_InternalExtension"}
-# The same by the header's names.
+
+# What stands above, by the header's names; of what XLA's functions are given, words that
+# `shared_work` fills.
 _BY_NAME = {
     "XLA_FFI_API_MAJOR": _MAJOR,
     "XLA_FFI_Extension_Metadata": _QUESTION,
@@ -159,21 +156,34 @@ def words(address: int, count: int) -> Any:
     return carray(_pointer(address), (count,), np.int64)
 
 
+@njit
+def answered(frame: int, kinds: tuple[int, ...]) -> bool:
+    """Whether a frame wants nothing computed, and has got what it wants.
+
+    It asks for the version of the interface, or its arguments are not of these types: then its
+    result becomes NaN.
+    """
+    if _is_question(frame):
+        _describe(frame)
+        return True
+    if not _fits(frame, kinds):
+        result(frame)[:] = np.nan
+        return True
+    return False
+
+
 @njit(inline="always")
-def is_question(frame: int) -> Any:
-    """Whether XLA asks for the version of the interface instead of a result."""
+def _is_question(frame: int) -> Any:
     extension = words(frame, _FRAME_WORDS)[_EXTENSION]
     return extension != 0 and words(extension, _KIND + 1)[_KIND] & 0xFFFFFFFF == _QUESTION
 
 
 @njit(inline="always")
-def describe(frame: int) -> int:
-    """Answer that question."""
+def _describe(frame: int) -> None:
     extension = words(words(frame, _FRAME_WORDS)[_EXTENSION], _ANSWER + 1)
     answer = words(extension[_ANSWER], _ANSWER_WORDS)
     answer[_VERSION] = _MAJOR | (_MINOR << 32)
     answer[_TRAITS] = 0
-    return 0
 
 
 @njit(inline="always")
@@ -183,19 +193,11 @@ def _buffer(frame: int, place: int, number: int) -> Any:
 
 
 @njit(inline="always")
-def fits(frame: int, kinds: tuple[int, ...]) -> bool:
-    """Whether the arguments have these types."""
+def _fits(frame: int, kinds: tuple[int, ...]) -> bool:
     for number in range(len(kinds)):
         if _buffer(frame, _ARGUMENTS, number)[_TYPE] & 0xFFFFFFFF != kinds[number]:
             return False
     return True
-
-
-@njit(inline="always")
-def refuse(frame: int) -> int:
-    """Make the result NaN: the arguments are not what the loop takes."""
-    result(frame)[:] = np.nan
-    return 0
 
 
 @njit(inline="always")

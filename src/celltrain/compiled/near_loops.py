@@ -14,14 +14,11 @@ from celltrain.compiled.call_frame import (
     FLAGS,
     FLOATS,
     INTEGERS,
-    describe,
-    fits,
+    answered,
     flags,
     handler,
     integers,
-    is_question,
     numbers,
-    refuse,
     result,
     sizes,
 )
@@ -33,15 +30,7 @@ from celltrain.compiled.kernels import (
     stresslet_scalars,
 )
 from celltrain.compiled.scaled_erfc import SCALED_ERFC, SCALED_ERFC_MIDDLE
-from celltrain.compiled.shared_work import (
-    begins,
-    ends,
-    frame_of,
-    next_part,
-    shared,
-    task,
-    task_address,
-)
+from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
 
 # Names under which XLA finds the loops.
 FORCE_PAIRS, STRESSLET_PAIRS, NODE_FORCES = (
@@ -177,36 +166,22 @@ _force_pairs, _stresslet_pairs = _pair_loop(_force_block), _pair_loop(_stresslet
 
 @task(FORCE_PAIRS)
 def _force_pairs_task(work: int) -> int:
-    if begins(work):
-        _force_pairs(frame_of(work), work)
-    return ends(work)
+    return computed(_force_pairs, work)
 
 
 @handler(FORCE_PAIRS)
 def _force_pairs_handler(frame: int) -> int:
-    if is_question(frame):
-        return describe(frame)
-    if not fits(frame, _PAIR_ARGUMENTS):
-        return refuse(frame)
-    shared(frame, task_address(FORCE_PAIRS))
-    return 0
+    return shared(frame, _PAIR_ARGUMENTS, task_address(FORCE_PAIRS))
 
 
 @task(STRESSLET_PAIRS)
 def _stresslet_pairs_task(work: int) -> int:
-    if begins(work):
-        _stresslet_pairs(frame_of(work), work)
-    return ends(work)
+    return computed(_stresslet_pairs, work)
 
 
 @handler(STRESSLET_PAIRS)
 def _stresslet_pairs_handler(frame: int) -> int:
-    if is_question(frame):
-        return describe(frame)
-    if not fits(frame, _PAIR_ARGUMENTS):
-        return refuse(frame)
-    shared(frame, task_address(STRESSLET_PAIRS))
-    return 0
+    return shared(frame, _PAIR_ARGUMENTS, task_address(STRESSLET_PAIRS))
 
 
 @njit(fastmath=FAST, error_model="numpy")
@@ -227,10 +202,8 @@ def _node_forces(
 
 @handler(NODE_FORCES)
 def _node_forces_handler(frame: int) -> int:
-    if is_question(frame):
-        return describe(frame)
-    if not fits(frame, _NODE_ARGUMENTS):
-        return refuse(frame)
+    if answered(frame, _NODE_ARGUMENTS):
+        return 0
     weights, xi = numbers(frame, 2), numbers(frame, 3)[0]
     targets = numbers(frame, 0).reshape((-1, 3))
     values = numbers(frame, 1).reshape((6, targets.shape[0], weights.size))

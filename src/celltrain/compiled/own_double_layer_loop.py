@@ -12,12 +12,8 @@ from numba import njit
 
 from celltrain.compiled.call_frame import (
     FLOATS,
-    describe,
-    fits,
     handler,
-    is_question,
     numbers,
-    refuse,
     result,
     sizes,
 )
@@ -43,15 +39,7 @@ from celltrain.compiled.polar_lanes import (
     sums_over_azimuths,
     sums_over_degrees,
 )
-from celltrain.compiled.shared_work import (
-    begins,
-    ends,
-    frame_of,
-    next_part,
-    shared,
-    task,
-    task_address,
-)
+from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
 from celltrain.harmonics import UNIT_DISPLACEMENT
 
 #: Name under which XLA finds the loop.
@@ -239,16 +227,9 @@ def _own_double_layer(frame: int, work: int) -> None:
 
 @task(OWN_DOUBLE_LAYER)
 def _own_double_layer_task(work: int) -> int:
-    if begins(work):
-        _own_double_layer(frame_of(work), work)
-    return ends(work)
+    return computed(_own_double_layer, work)
 
 
 @handler(OWN_DOUBLE_LAYER)
 def _own_double_layer_handler(frame: int) -> int:
-    if is_question(frame):
-        return describe(frame)
-    if not fits(frame, _ARGUMENTS):
-        return refuse(frame)
-    shared(frame, task_address(OWN_DOUBLE_LAYER))
-    return 0
+    return shared(frame, _ARGUMENTS, task_address(OWN_DOUBLE_LAYER))

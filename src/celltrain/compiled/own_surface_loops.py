@@ -11,12 +11,8 @@ from numba import njit
 
 from celltrain.compiled.call_frame import (
     FLOATS,
-    describe,
-    fits,
     handler,
-    is_question,
     numbers,
-    refuse,
     result,
     sizes,
 )
@@ -31,15 +27,7 @@ from celltrain.compiled.polar_lanes import (
     shift,
     sums_over_degrees,
 )
-from celltrain.compiled.shared_work import (
-    begins,
-    ends,
-    frame_of,
-    next_part,
-    shared,
-    task,
-    task_address,
-)
+from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
 
 #: Name under which XLA finds the loop.
 OWN_FORCES = "celltrain_own_forces"
@@ -141,16 +129,9 @@ def _own_forces(frame: int, work: int) -> None:
 
 @task(OWN_FORCES)
 def _own_forces_task(work: int) -> int:
-    if begins(work):
-        _own_forces(frame_of(work), work)
-    return ends(work)
+    return computed(_own_forces, work)
 
 
 @handler(OWN_FORCES)
 def _own_forces_handler(frame: int) -> int:
-    if is_question(frame):
-        return describe(frame)
-    if not fits(frame, _ARGUMENTS):
-        return refuse(frame)
-    shared(frame, task_address(OWN_FORCES))
-    return 0
+    return shared(frame, _ARGUMENTS, task_address(OWN_FORCES))

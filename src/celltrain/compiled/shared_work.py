@@ -5,20 +5,17 @@ parts lets others take parts of it,
 
     @task("name")
     def task_of_loop(work_address):
-        if begins(work_address):
-            loop(frame_of(work_address), work_address)
-        ends(work_address)
+        return computed(loop, work_address)
 
     @handler("name")
     def handler_of_loop(frame_address):
-        ...
-        shared(frame_address, task_address("celltrain_name"))
-        return 0
+        return shared(frame_address, (FLOATS,), task_address("name"))
 
-where `loop` computes the parts whose numbers `next_part` gives it until there are none left. Which
-thread computes a part changes nothing in it. Nobody waits for a thread to come: the caller takes
-parts as the others do, and when none is left it waits for those that are being computed. A task
-that XLA runs only then finds the work closed. What all share is a few words, released by the last.
+where `loop(frame_address, work_address)` computes the parts whose numbers `next_part` gives it
+until there are none left. Which thread computes a part changes nothing in it. Nobody waits for a
+thread to come: the caller takes parts as the others do, and when none is left it waits for those
+that are being computed. A task that XLA runs only then finds the work closed. What all share is a
+few words, released by the last.
 """
 
 from collections.abc import Callable
@@ -36,6 +33,7 @@ from celltrain.compiled.call_frame import (
     LOOPS_SERVE,
     NUMBER_OF_THREADS,
     SCHEDULE,
+    answered,
     words,
 )
 
@@ -117,38 +115,31 @@ def next_part(work: int) -> int:
 
 
 @njit
-def frame_of(work: int) -> int:
-    """Address of the frame with the loop's arguments."""
-    return words(work, _WORDS)[_FRAME]
-
-
-@njit
-def begins(work: int) -> bool:
-    """Whether a thread still may compute: before it looks at the frame."""
+def computed(loop: Any, work: int) -> int:
+    """Run a loop on the parts that it can get, unless the work is closed already."""
     _added(work + 8 * _COMPUTING, 1)
-    return _added(work + 8 * _CLOSED, 0) == 0
-
-
-@njit
-def ends(work: int) -> int:
-    """A thread has no more to do with it."""
+    # Only then: who closes the work waits for all that are counted.
+    if _added(work + 8 * _CLOSED, 0) == 0:
+        loop(words(work, _WORDS)[_FRAME], work)
     _added(work + 8 * _COMPUTING, -1)
-    _release(work, 1)
+    _release(work)
     return 0
 
 
 @njit
-def _release(work: int, holders: int) -> None:
-    if _added(work + 8 * _HOLDERS, -holders) == holders:
+def _release(work: int) -> None:
+    if _added(work + 8 * _HOLDERS, -1) == 1:
         _free(work)
 
 
 @njit
-def shared(frame: int, address: int) -> None:
-    """Compute all parts of the work of a frame by the task at an address, with who comes to help.
+def shared(frame: int, kinds: tuple[int, ...], address: int) -> int:
+    """Compute all parts of a frame by the task at an address, with who comes to help.
 
-    The caller's own part of it is one more run of the task.
+    The caller's own share of it is one more run of the task. `kinds`: types of the arguments.
     """
+    if answered(frame, kinds):
+        return 0
     caller = words(frame, CONTEXT + 1)
     api, context = caller[API], caller[CONTEXT]
     work = _malloc(8 * _WORDS)
@@ -162,7 +153,8 @@ def shared(frame: int, address: int) -> None:
     _added(work + 8 * _CLOSED, 1)
     while _added(work + 8 * _COMPUTING, 0) > 0:
         _sched_yield()
-    _release(work, 1)
+    _release(work)
+    return 0
 
 
 @njit
@@ -184,5 +176,5 @@ def _offer(api: int, context: int, address: int, work: int) -> None:
     given = words(request, 5)
     given[0], given[1], given[2], given[3], given[4] = 8 * 5, 0, context, address, work
     if _called(words(api, SCHEDULE + 1)[SCHEDULE], request) != 0:
-        _release(work, 1)
+        _release(work)
     _free(request)
