@@ -256,12 +256,8 @@ def _missing() -> str:
     packing = min(trains.MAP_PACKINGS)
     return f"""
 Not in the map: the fastest flow in tubes below D = {narrowest:g}, and packing {packing:g} at other
-speeds than {trains.SPEED * 1e3:g} mm/s. At D = 2 the fastest flow has a train, which is reached by
-making the flow faster step by step in the tube itself: at M = {max(trains.NARROW_DEGREES)}, graded,
-the film grows from 0.164 r0 at 1 mm/s to 0.182 at 2, 0.190 at 4, 0.195 at 7 and 0.194 at 10, and
-the cell from 2.27 to 2.82 r0, with 5e-3 U left out by the degree at the end. Each of these steps
-takes minutes; growth rates were not computed there. From there none was reached at D = 1.6 within
-two minutes.
+speeds than {trains.SPEED * 1e3:g} mm/s. A start from the next slower train does not reach the
+fastest flow there; smaller steps in the speed may, and were not tried to the end.
 """
 
 
