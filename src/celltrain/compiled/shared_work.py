@@ -1,7 +1,7 @@
 """Work of one compiled loop, shared with the threads that XLA keeps for its programs.
 
-XLA calls a loop in one thread and runs nothing beside it. A loop whose work is made of independent
-parts lets others take parts of it,
+XLA calls a loop in one thread, and often has nothing to run beside it. A loop whose work is made of
+independent parts lets others take parts of it,
 
     @task("name")
     def task_of_loop(work_address):

@@ -61,7 +61,7 @@ def draw_dispersion(result: InfiniteTrain) -> Figure:
         rf" $\pi$, $m$ = {best.azimuthal_number}",
     )
     abrupt.set_ylabel(r"initial growth rate  $\eta_m(q)$  ($U/r_0$)")
-    abrupt.set_title(f"(b) in the norm {result.norm}")
+    abrupt.set_title(f"(b) norm: {result.norm}")
     for axes in (modal, abrupt):
         _finish(axes)
     modal.legend()

@@ -71,6 +71,7 @@ def _cells(
     if values.shape[1] == 1:
         axes.plot(times, values[:, 0], color=BLUE, linewidth=1.5)
         return
-    for cell, (name, color) in enumerate((("A", BLUE), ("B", VERMILION))):
-        axes.plot(times, values[:, cell], color=color, linewidth=1.5, label=name)
+    # Dashed, so that the first is seen where they are alike.
+    for cell, (name, color, line) in enumerate((("A", BLUE, "-"), ("B", VERMILION, "--"))):
+        axes.plot(times, values[:, cell], line, color=color, linewidth=1.5, label=name)
     axes.legend(fontsize=8)
