@@ -117,6 +117,17 @@ def test_too_few_rows_are_seen(
     assert search(*clouds, capacity=1000).overflow
 
 
+def test_the_first_pair_keeps_its_row_beside_room_for_more() -> None:
+    """Of one chunk and two cells the first alone is close; the list has room for both."""
+    targets = jnp.zeros((1, 2, 3)).at[0, 1, 0].set(0.5)
+    sources = jnp.zeros((2, 1, 3)).at[0, 0, 1].set(0.1).at[1, 0, 2].set(9.0)
+    limits = {"distance": 0.2, "period": 20.0, "images": 0, "capacity": 4}
+    found = close_pairs(targets, jnp.array([-1]), sources, **limits)
+    assert found.count == 1
+    assert found.left_out.rows.tolist() == [[[0, -1]]]
+    assert found.left_out.close[0, :2].tolist() == [True, False]
+
+
 def test_nothing_close(clouds: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     targets, owners, sources = clouds
     found = search(targets + 100.0 * np.eye(3)[0], owners, sources, capacity=20)

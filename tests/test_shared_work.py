@@ -10,14 +10,19 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from numba import njit
 
 from celltrain.compiled import loop
-from celltrain.compiled.call_frame import FLOATS, answered, handler, numbers, result
+from celltrain.compiled.call_frame import FLOATS, answered, handler, numbers, result, words
 from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
 
-COUNTING = "celltrain_test_counting"
+COUNTING, SEEING = "celltrain_test_counting", "celltrain_test_seeing"
 PARTS = 97
+
+
+#: Words of the work: who computes, whether it is closed, who holds it.
+COMPUTING, CLOSED, HOLDERS = 2, 3, 4
 
 
 @njit
@@ -44,6 +49,46 @@ def _counting_handler(frame: int) -> int:
     return shared(frame, (FLOATS,), task_address(COUNTING))
 
 
+@njit
+def _mark(frame: int, work: int) -> None:
+    words(frame, 1)[0] = 1
+
+
+@njit
+def _computing(work: int) -> int:
+    return words(work, 5)[COMPUTING]
+
+
+@njit
+def _see(frame: int, work: int) -> None:
+    found = result(frame)
+    part = next_part(work)
+    while part < found.size:
+        for _ in range(2000):
+            now = _computing(work)
+            if now > found[part]:
+                found[part] = now
+        part = next_part(work)
+
+
+@task(SEEING)
+def _seeing_task(work: int) -> int:
+    return computed(_see, work)
+
+
+@handler(SEEING)
+def _seeing_handler(frame: int) -> int:
+    if not answered(frame, (FLOATS,)):
+        result(frame)[:] = 0.0
+    return shared(frame, (FLOATS,), task_address(SEEING))
+
+
+@jax.jit
+def threads(given: jax.Array) -> jax.Array:
+    """The most threads that computed at once while each part was computed."""
+    return loop(SEEING, (PARTS,), given)
+
+
 @jax.jit
 def counted(given: jax.Array) -> jax.Array:
     """How often each part was computed."""
@@ -53,6 +98,22 @@ def counted(given: jax.Array) -> jax.Array:
 def test_every_part_once() -> None:
     for number in range(200):
         np.testing.assert_array_equal(counted(jnp.arange(3.0) + number), np.ones(PARTS))
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_nothing_is_computed_of_closed_work(closed: bool) -> None:
+    """Nor is it looked at what the frame was; the thread lets the work go all the same."""
+    frame, work = np.zeros(1, dtype=int), np.zeros(5, dtype=int)
+    work[[0, CLOSED, HOLDERS]] = frame.ctypes.data, closed, 3
+    computed(_mark, work.ctypes.data)
+    assert frame[0] == (not closed)
+    assert (work[COMPUTING], work[HOLDERS]) == (0, 2)
+
+
+def test_others_take_part() -> None:
+    """In some of many calls, as another thread may come late; none if there is one processor."""
+    seen = any((threads(jnp.arange(3.0)) > 1.0).any() for _ in range(500))
+    assert seen == (len(os.sched_getaffinity(0)) > 1)
 
 
 def test_many_callers_at_once() -> None:
