@@ -183,10 +183,15 @@ def test_turning_is_rigid() -> None:
 
 
 def test_a_picture_has_its_own_style(make_base: Callable[..., Base]) -> None:
-    with mpl.rc_context({"xtick.direction": "out", "axes.titlesize": 30, "figure.dpi": 50}):
+    users = {"xtick.direction": "out", "axes.titlesize": 30, "figure.dpi": 50}
+    # What the style says nothing of is Matplotlib's own, not the user's.
+    users |= {"axes.labelsize": 31, "axes.facecolor": "black"}
+    with mpl.rc_context(users):
         figure = draw_profile(make_base())
         assert mpl.rcParams["axes.titlesize"] == 30
     [axes] = figure.axes
     assert figure.dpi == 200
     assert axes.xaxis.get_major_ticks()[0].get_tickdir() == "in"
+    assert axes.get_facecolor() == (1.0, 1.0, 1.0, 1.0)
+    assert axes.xaxis.label.get_size() < 30
     assert axes.get_title(loc="left").startswith("$D$ = ")
