@@ -15,7 +15,7 @@ from celltrain.proximity.chunks import CHUNK, Chunks, chunks_of
 PAIR_CHUNK = 64
 # Pairs of a chunk and an image of a cell that are looked at together.
 ROWS_AT_ONCE = 4
-# As many of them are listed for each chunk, on average.
+# As many of them are listed for each chunk, on average; dense trains far off the axis had two.
 ROWS_PER_CHUNK = 12
 
 
