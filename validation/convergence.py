@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from degrees import LADDER
 from page import Page, plain_figure
 
 from celltrain import Base, Stability, Train, stability, steady
@@ -66,7 +67,6 @@ POLAR = {
     (7.0, 10.0): (1e-11, 1e-13),
 }
 EXACT = (10.0, 14.0)
-DEGREES = (12, 16, 20, 24, 32, 40, 48)
 POLAR_DEGREES = (12, 24)
 RULES_DEGREE = 24
 
@@ -134,7 +134,7 @@ implementation of the same equations with rules of its own: cell velocities equa
     for place in TRAINS:
         start: Base | None = None
         found[place] = {}
-        for degree in DEGREES:
+        for degree in LADDER:
             train = Train(diameter=place[0], packing=place[1], cells=CELLS, degree=degree)
             found[place][degree] = answer(train, start)
             start = found[place][degree].base
@@ -188,11 +188,11 @@ def _degrees(page: Page, place: tuple[float, float], answers: dict[int, Answer])
 
 
 def _summary(page: Page, found: dict[tuple[float, float], dict[int, Answer]]) -> None:
-    page.heading(f"What each degree leaves, against M = {DEGREES[-1]}")
+    page.heading(f"What each degree leaves, against M = {LADDER[-1]}")
     page.text("Relative differences; of alpha in parts of itself, of the growth rate that leads.")
     rows = []
     for (diameter, packing), answers in found.items():
-        finest = answers[DEGREES[-1]]
+        finest = answers[LADDER[-1]]
         for name, value in (
             ("U_c", lambda each: each.cell_velocity),
             ("alpha", lambda each: each.alpha),
@@ -204,11 +204,11 @@ def _summary(page: Page, found: dict[tuple[float, float], dict[int, Answer]]) ->
                     name,
                     *(
                         f"{100.0 * (value(answers[degree]) / value(finest) - 1.0):+.2g} %"
-                        for degree in DEGREES[:-1]
+                        for degree in LADDER[:-1]
                     ),
                 )
             )
-    page.table(("D, packing", "", *(f"M = {degree}" for degree in DEGREES[:-1])), rows)
+    page.table(("D, packing", "", *(f"M = {degree}" for degree in LADDER[:-1])), rows)
 
 
 def _usual(page: Page, found: dict[tuple[float, float], dict[int, Answer]]) -> None:
@@ -216,22 +216,22 @@ def _usual(page: Page, found: dict[tuple[float, float], dict[int, Answer]]) -> N
     page.text(
         f"""
 At the default accuracy, 1 % or 1e-4 U/r0. The error is expected to cover the difference from M =
-{DEGREES[-1]}. [The page on the map](map.md) has this for 77 trains.
+{LADDER[-1]}. [The page on the map](map.md) has this for 77 trains.
 """
     )
     rows, missed = [], []
     for (diameter, packing), answers in found.items():
         train = Train(diameter=diameter, packing=packing, cells=CELLS)
         result = stability(train, azimuthal_numbers=NUMBERS)
-        finest = answers[DEGREES[-1]].alpha
+        finest = answers[LADDER[-1]].alpha
         off = abs(result.spectral_abscissa - finest)
         if off > result.error_estimate:
-            steps = np.diff([answers[degree].alpha for degree in DEGREES[-4:]])
+            steps = np.diff([answers[degree].alpha for degree in LADDER[-4:]])
             missed.append(
-                f"D = {diameter:g}, packing {packing:g}. There the steps from M = {DEGREES[-4]} on"
+                f"D = {diameter:g}, packing {packing:g}. There the steps from M = {LADDER[-4]} on"
                 f" change alpha by {', '.join(f'{step:+.1e}' for step in steps)}: it converges"
                 " slowly and unevenly, and up to the degree taken it seems to do so faster than it"
-                f" does. The difference from M = {DEGREES[-1]} is {100.0 * off / finest:.2g} %."
+                f" does. The difference from M = {LADDER[-1]} is {100.0 * off / finest:.2g} %."
             )
         rows.append(
             (
@@ -251,7 +251,7 @@ At the default accuracy, 1 % or 1e-4 U/r0. The error is expected to cover the di
             "M",
             "alpha",
             "its error, reported",
-            f"alpha, M = {DEGREES[-1]}",
+            f"alpha, M = {LADDER[-1]}",
             "difference",
             "covered",
         ),
@@ -424,17 +424,17 @@ def _figure(page: Page, found: dict[tuple[float, float], dict[int, Answer]]) -> 
     left, right = figure.subplots(1, 2)
     for place, answers in found.items():
         label = f"D = {place[0]:g}, packing {place[1]:g}"
-        finest = answers[DEGREES[-1]].alpha
-        parts = [abs(answers[degree].alpha / finest - 1.0) for degree in DEGREES[:-1]]
-        left.semilogy(DEGREES[:-1], parts, "o-", label=label)
-        right.plot(DEGREES, [answers[degree].eta("paper") for degree in DEGREES], "o-", label=label)
+        finest = answers[LADDER[-1]].alpha
+        parts = [abs(answers[degree].alpha / finest - 1.0) for degree in LADDER[:-1]]
+        left.semilogy(LADDER[:-1], parts, "o-", label=label)
+        right.plot(LADDER, [answers[degree].eta("paper") for degree in LADDER], "o-", label=label)
     left.axhline(0.01, color="0.6", linewidth=0.8)
-    left.set_title(f"alpha: distance from M = {DEGREES[-1]}, relative", fontsize=10)
+    left.set_title(f"alpha: distance from M = {LADDER[-1]}, relative", fontsize=10)
     right.set_title(r"eta, paper's norm, $U/r_0$", fontsize=10)
     right.set_ylim(0.0)
     for axes in (left, right):
         axes.set_xlabel("degree M")
-        axes.set_xticks(DEGREES)
+        axes.set_xticks(LADDER)
         axes.legend(fontsize=8, frameon=False)
     page.figure(
         figure,

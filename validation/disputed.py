@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
+from degrees import LADDER
 from matplotlib.axes import Axes
 from page import FOLDER, Page, plain_figure
 
@@ -20,7 +21,7 @@ from celltrain.stability.convergence import ACCURACY, LEAST_ERROR
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.spectrum import growing_eigenvalues
-from celltrain.steady.degree import DEGREES, Convergence
+from celltrain.steady.degree import Convergence
 
 FILE = FOLDER / "data" / "disputed.nc"
 CELLS = 8
@@ -92,13 +93,13 @@ PLACES = [
 def ladder(
     place: Place, known: dict[int, Base], near: dict[int, Base]
 ) -> Iterator[tuple[float, ...]]:
-    """The `NUMBERS` of a case at each of `DEGREES`, NaN where there is no train.
+    """The `NUMBERS` of a case at each of `LADDER`, NaN where there is no train.
 
     **Arguments:** `known`: steady trains by degree that serve, to which new ones are added; `near`:
     those of the case before, to go on from.
     """
     lower: Base | None = None
-    for degree in DEGREES:
+    for degree in LADDER:
         train = place.train.changed(degree=degree)
         try:
             if degree not in known:
@@ -123,7 +124,7 @@ def leading(base: Base) -> tuple[float, ...]:
 
 def kept() -> xr.Dataset:
     """What the file holds, over all cases."""
-    shape = (len(PLACES), len(DEGREES))
+    shape = (len(PLACES), len(LADDER))
     data = xr.Dataset(
         {
             name: (("case", "degree"), np.full(shape, np.nan), {"units": unit, "long_name": long})
@@ -132,7 +133,7 @@ def kept() -> xr.Dataset:
         | {"seconds": ("case", np.full(len(PLACES), np.nan), {"units": "s"})},
         coords={
             "case": [place.name for place in PLACES],
-            "degree": list(DEGREES),
+            "degree": list(LADDER),
             "varied": ("case", [place.varied for place in PLACES]),
             "value": ("case", [place.value for place in PLACES]),
             "diameter": ("case", [place.diameter for place in PLACES], {"units": "r0"}),
@@ -190,13 +191,13 @@ def study() -> None:
     page.text(
         f"""
 alpha, the largest growth rate of azimuthal numbers 0 to {MOST_AZIMUTHAL}, N = {CELLS}, at M =
-{", ".join(str(each) for each in DEGREES)}, in U/r0 (the paper prints ten times as much). Left: what
+{", ".join(str(each) for each in LADDER)}, in U/r0 (the paper prints ten times as much). Left: what
 the last degree leaves open, by the package's own rule. M = 12 is the paper's. The map of Fig. 6 is
 on [a page of its own](map.md).
 """
     )
     data = computed(page)
-    columns = (*(f"M = {degree}" for degree in DEGREES), "left", "m, j at M = 12", "and at last")
+    columns = (*(f"M = {degree}" for degree in LADDER), "left", "m, j at M = 12", "and at last")
     for varied, words in HEADINGS.items():
         page.heading(words)
         chosen = data["case"].values[(data["varied"] == varied).values]
@@ -206,7 +207,7 @@ on [a page of its own](map.md).
     off = [
         abs(each.values[0] / each.values[-1] - 1.0)
         for each in known
-        if each.degrees and each.degrees[0] == DEGREES[0]
+        if each.degrees and each.degrees[0] == LADDER[0]
     ]
     page.text(
         f"""
@@ -225,7 +226,7 @@ def _row(data: xr.Dataset, name: str) -> list[str]:
     row = [f"{float(case[each]):g}" for each in ("diameter", "packing", "value")]
     row += ["no train" if math.isnan(each) else f"{each:+.5f}" for each in alpha]
     row.append(f"{found.left:.0e}")
-    for degree in (DEGREES[0], found.degree or DEGREES[-1]):
+    for degree in (LADDER[0], found.degree or LADDER[-1]):
         at = case.sel(degree=degree)
         m, wave = float(at["azimuthal_number"]), float(at["wave_number"])
         row.append("" if math.isnan(m) else f"{m:.0f}, {wave:.0f}")

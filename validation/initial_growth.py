@@ -5,6 +5,7 @@ Kept in docs/validation/data/initial-growth.nc; computed anew if the file is not
 
 import numpy as np
 import xarray as xr
+from degrees import LADDER
 from page import FOLDER, Page, plain_figure
 
 from celltrain import Train, steady
@@ -12,7 +13,7 @@ from celltrain.stability import NORMS, StrainNorm, normed_block
 from celltrain.stability.linearise import linear_blocks
 from celltrain.stability.neutral import neutral_space
 from celltrain.stability.norms import Norm
-from celltrain.steady.degree import DEGREES, remaining
+from celltrain.steady.degree import remaining
 
 FILE = FOLDER / "data" / "initial-growth.nc"
 CELLS, MOST_AZIMUTHAL = 8, 8
@@ -28,10 +29,10 @@ def compute(page: Page) -> xr.Dataset:
     """eta, m and j for each train, norm and degree."""
     phases = 2.0 * np.pi * np.arange(CELLS // 2 + 1) / CELLS
     numbers = range(MOST_AZIMUTHAL + 1)
-    found = np.full((3, len(CASES), len(NAMES), len(DEGREES)), np.nan)
+    found = np.full((3, len(CASES), len(NAMES), len(LADDER)), np.nan)
     for row, (diameter, packing) in enumerate(CASES):
         base = None
-        for column, degree in enumerate(DEGREES):
+        for column, degree in enumerate(LADDER):
             train = Train(diameter=diameter, packing=packing, cells=CELLS, degree=degree)
             base = steady(train, start=base, estimate_error=False)
             blocks = linear_blocks(base, phases, numbers)
@@ -54,7 +55,7 @@ def compute(page: Page) -> xr.Dataset:
         },
         coords={
             "norm": list(NAMES),
-            "degree": list(DEGREES),
+            "degree": list(LADDER),
             "diameter": ("case", [each[0] for each in CASES], {"units": "r0"}),
             "packing": ("case", [each[1] for each in CASES]),
         },
@@ -77,12 +78,12 @@ volumes, and the azimuthal number m and wave number j (q = 2 pi j/{CELLS}) of th
 as much). The paper's norm is that of Eq. (8).
 """
     )
-    headings = ("D", "packing", *(f"M = {each}" for each in DEGREES), "left", "paper: m; cells")
+    headings = ("D", "packing", *(f"M = {each}" for each in LADDER), "left", "paper: m; cells")
     for norm in NAMES:
         page.heading(f"Norm: {norm}")
         page.table(headings, list(_rows(data.sel(norm=norm))))
     gains = data["eta"].isel(degree=-1) / data["eta"].isel(degree=-2) - 1.0
-    first = data["eta"].sel(degree=DEGREES[0]) / data["eta"].isel(degree=-1)
+    first = data["eta"].sel(degree=LADDER[0]) / data["eta"].isel(degree=-1)
     page.heading("The law")
     changes = "; ".join(
         f"{100.0 * float(abs(gains.sel(norm=norm)).max()):.2g} % at most ({norm})" for norm in NAMES
@@ -94,8 +95,8 @@ as much). The paper's norm is that of Eq. (8).
     )
     law = "still grows" if float(abs(gains).max()) > STILL_GROWS else "converges"
     page.text(
-        f"From M = {DEGREES[-2]} to {DEGREES[-1]} eta changes by {changes}: it {law}. M ="
-        f" {DEGREES[0]} has {lowest} of what M = {DEGREES[-1]} has, and often another disturbance."
+        f"From M = {LADDER[-2]} to {LADDER[-1]} eta changes by {changes}: it {law}. M ="
+        f" {LADDER[0]} has {lowest} of what M = {LADDER[-1]} has, and often another disturbance."
         f" In the paper's norm the last change is {_factors(data)} of that from M = 16 to 20."
     )
     _figure(page, data)
@@ -106,7 +107,7 @@ def _rows(at: xr.Dataset) -> list[tuple[str, ...]]:
     rows = []
     for row, ((diameter, packing), words) in enumerate(zip(CASES, PAPER, strict=True)):
         case = at.isel(case=row)
-        cells = (_cell(case.isel(degree=column)) for column in range(len(DEGREES)))
+        cells = (_cell(case.isel(degree=column)) for column in range(len(LADDER)))
         left = f"{remaining(case['eta'].values.tolist()):.0e}"
         rows.append((f"{diameter:g}", f"{packing:g}", *cells, left, words))
     return rows
@@ -128,7 +129,7 @@ def _figure(page: Page, data: xr.Dataset) -> None:
     for axes, norm in zip(panels, NAMES, strict=True):
         for row, (diameter, packing) in enumerate(CASES):
             values = data["eta"].sel(norm=norm).isel(case=row)
-            axes.plot(DEGREES, values, ".-", label=rf"$D$ = {diameter:g}, $\phi$ = {packing:g}")
+            axes.plot(LADDER, values, ".-", label=rf"$D$ = {diameter:g}, $\phi$ = {packing:g}")
         axes.set(xlabel="$M$", ylim=(0.0, None))
         axes.set_title(norm, fontsize=9)
     panels[0].set_ylabel(r"$\eta$ ($U/r_0$)")

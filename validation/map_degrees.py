@@ -15,6 +15,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 
 import numpy as np
+from degrees import LADDER
 from page import FOLDER, Page, plain_figure
 
 from celltrain import Base, Train, stability, steady
@@ -30,8 +31,7 @@ NARROW = tuple((diameter, packing) for diameter in (3.0, 4.0, 5.0) for packing i
 # Share of the trains whose error is to cover the value at the highest degree.
 ASKED = 0.95
 # Degrees up to which the map is computed, and the trains beside it.
-HIGHEST, NARROW_HIGHEST = 48, 64
-MAP_DEGREES = tuple(each for each in DEGREES if each <= HIGHEST)
+HIGHEST, NARROW_HIGHEST = LADDER[-1], 64
 FIXED = DEGREES[0]
 PERCENT = f"{100.0 * ACCURACY:g} %"
 COLORS = ("#0072B2", "#56B4E9", "#009E73", "#F0E442", "#E69F00", "#D55E00", "#CC79A7")
@@ -201,7 +201,7 @@ def study(workers: int = 1) -> None:
 The {len(DIAMETERS) * len(PACKINGS)} trains of the paper's map: D = {DIAMETERS[0]:g} to
 {DIAMETERS[-1]:g} r0 in steps of 1, packing {PACKINGS[0]:g} to {PACKINGS[-1]:g} in steps of 0.05, N
 = {CELLS}, viscosity ratio 1. alpha, the largest growth rate of azimuthal numbers 0 to
-{max(NUMBERS)}, at M = {", ".join(str(each) for each in MAP_DEGREES)}; the value at M =
+{max(NUMBERS)}, at M = {", ".join(str(each) for each in LADDER)}; the value at M =
 {HIGHEST} stands for the exact one, in narrower tubes that at M = {NARROW_HIGHEST}. Two questions:
 does the error that is reported cover it, at the default accuracy ({PERCENT} or 1e-4 U/r0), where
 the degree rises until that is reached, and at the fixed degree {FIXED}, that of the paper; and
@@ -294,8 +294,8 @@ def _degrees(page: Page, usual: list[Verdict]) -> None:
     page.heading("Which degree the default takes")
     taken = Counter(each.degree for each in usual)
     page.table(
-        ("M", *(str(degree) for degree in MAP_DEGREES)),
-        [("trains", *(taken[degree] for degree in MAP_DEGREES))],
+        ("M", *(str(degree) for degree in LADDER)),
+        [("trains", *(taken[degree] for degree in LADDER))],
     )
     page.text(
         """
@@ -318,7 +318,7 @@ def _convergence(page: Page, cases: list[Case]) -> None:
     page.text(f"Distances of alpha from its value at M = {HIGHEST} over all trains, U/r0.")
     off = np.array([[abs(a - case.best) for a in case.alpha[:-1]] for case in cases])
     page.table(
-        ("", *(f"M = {degree}" for degree in MAP_DEGREES[:-1])),
+        ("", *(f"M = {degree}" for degree in LADDER[:-1])),
         [
             ("median", *(f"{each:.1e}" for each in np.median(off, axis=0))),
             ("nine in ten are below", *(f"{each:.1e}" for each in np.quantile(off, 0.9, axis=0))),

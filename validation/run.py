@@ -5,16 +5,19 @@
 
 Every study writes a page and a figure into docs/validation and states what is expected. Without
 names all of them run but for `breakup`, which takes hours and runs when it is named; `--anew`
-computes also what is kept, but for simulations. At the end the time of each study is printed.
+computes also what is kept, but for simulations. As many run at once as there are processors, each
+with one thread. What each took is printed at the end; a study that fails does not stop the others.
 """
 
 import argparse
-import resource
+import os
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import NamedTuple
 
 # Before JAX, which it sets up.
 import celltrain  # noqa: F401
@@ -47,6 +50,14 @@ HERE = Path(__file__).resolve().parent
 REFERENCE = HERE.parents[1] / "shared" / "reference"
 # What only runs when it is named.
 ON_REQUEST = ("breakup",)
+# What begins first as it takes longest, and what reads what all others keep.
+FIRST, LAST = ("figures", "map", "agreement", "uncertainty", "disputed"), ("paper",)
+# Studies that run beside others have one thread each; NumPy and Numba ask these.
+ONE_THREAD = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "NUMBA_NUM_THREADS": "1",
+}
 # Of docs/validation/data, what others found and what simulations left: kept by `--anew` as well.
 NOT_COMPUTED = ("paper-solver.toml", "capsules-published.json", "capsules-others.json")
 SIMULATED = ("transients.json", *(f"capsules-{each}.nc" for each in ("one", "two", "checks")))
@@ -64,6 +75,13 @@ def main() -> None:
         "--anew",
         action="store_true",
         help="with all: compute also what docs/validation/data keeps, but for simulations",
+    )
+    parser.add_argument(
+        "--at-once",
+        type=int,
+        default=len(os.sched_getaffinity(0)),
+        metavar="N",
+        help="studies that run at the same time (default: one for each processor)",
     )
     studies: dict[str, Callable[[argparse.Namespace], object]] = {
         "sphere": lambda _: sphere.study(),
@@ -104,6 +122,8 @@ def main() -> None:
         parser.error(f"no such study: {', '.join(unknown)}; there are {', '.join(studies)}")
     if (options.simulate or options.take) and options.studies != ["breakup"]:
         parser.error("--simulate and --take are for the study breakup alone")
+    if options.at_once < 1:
+        parser.error(f"--at-once = {options.at_once} is not allowed; allowed: a whole number >= 1")
     if options.anew and options.studies:
         parser.error("--anew is for all studies together: what one keeps, others read")
     chosen = options.studies or [name for name in studies if name not in ON_REQUEST]
@@ -114,27 +134,45 @@ def main() -> None:
         for path in (FOLDER / "data").iterdir():
             if path.name not in NOT_COMPUTED + SIMULATED:
                 path.unlink()
-    # Each in a process of its own: compiled programs of one study would stay in memory.
-    begin, table = (time.perf_counter(), _processor_time()), []
-    for name in chosen:
-        command = [sys.executable, __file__, name, "--reference", str(options.reference)]
-        first = time.perf_counter(), _processor_time()
-        if status := subprocess.run(command, check=False).returncode:
-            sys.exit(f"{name} ended with status {status}")
-        table.append((name, *_since(*first)))
-    for name, minutes, processor_minutes in (*table, ("together", *_since(*begin))):
-        print(f"{name:16} {minutes:6.1f} minutes, {processor_minutes:6.1f} of processors")
+    begin = time.perf_counter()
+    order = sorted(chosen, key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))
+    with ThreadPoolExecutor(options.at_once) as several:
+        ended = list(
+            several.map(
+                lambda name: _run(name, options, ONE_THREAD if options.at_once > 1 else {}),
+                [name for name in order if name not in LAST],
+            )
+        )
+    ended += [_run(name, options, {}) for name in order if name in LAST]
+    for each in ended:
+        word = f"  ended with status {each.status}" if each.status else ""
+        print(f"{each.name:16} {each.minutes:6.1f} minutes, {each.processor_minutes:6.1f}{word}")
+    together = sum(each.processor_minutes for each in ended)
+    minutes = (time.perf_counter() - begin) / 60.0
+    print(f"{'together':16} {minutes:6.1f} minutes, {together:6.1f} of processors")
+    sys.exit(any(each.status for each in ended))
 
 
-def _processor_time() -> float:
-    """Seconds that the processes which have ended took of processors."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+class Ended(NamedTuple):
+    """A study that ran: its exit status, minutes, and minutes of processors."""
+
+    name: str
+    status: int
+    minutes: float
+    processor_minutes: float
 
 
-def _since(begin: float, processors: float) -> tuple[float, float]:
-    """Minutes, and minutes of processors, since then."""
-    return (time.perf_counter() - begin) / 60.0, (_processor_time() - processors) / 60.0
+def _run(name: str, options: argparse.Namespace, settings: dict[str, str]) -> Ended:
+    """A study in a process of its own: compiled programs of one would stay in memory."""
+    begin = time.perf_counter()
+    process = subprocess.Popen(
+        [sys.executable, __file__, name, "--reference", str(options.reference)],
+        env=os.environ | settings,
+    )
+    _, status, used = os.wait4(process.pid, 0)  # with what its own children took
+    process.returncode = os.waitstatus_to_exitcode(status)
+    minutes = (time.perf_counter() - begin) / 60.0
+    return Ended(name, process.returncode, minutes, (used.ru_utime + used.ru_stime) / 60.0)
 
 
 if __name__ == "__main__":
