@@ -5,21 +5,25 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, make_dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import pytest
+from cyclopts import App
 from numpy.testing import assert_allclose
 
 from celltrain import Base, CaseError, load, save, steady
 from celltrain.analyses.base import SteadyTrain
 from celltrain.cli import main
 from celltrain.cli.app import COMMANDS
-from celltrain.cli.computations import settings_class
+from celltrain.cli.computations import command_of_many, settings_class
 from celltrain.continuation import BoundaryPoint, CurveEnding, StabilityBoundary
 from celltrain.contract import (
+    Crew,
+    InFolder,
+    Kept,
     OfStability,
     Setting,
     Silent,
@@ -111,6 +115,9 @@ def test_every_analysis_is_a_command(capsys: pytest.CaptureFixture[str]) -> None
     for name in commands():
         assert f"│ {name} " in text
         analysis = analysis_named(name)
+        if issubclass(analysis, InFolder):
+            assert name not in kinds()
+            continue
         assert (analysis.command or analysis.result.kind) == name
         assert analysis.result.kind in kinds()
 
@@ -351,6 +358,46 @@ def test_names_that_are_taken(tmp_path: Path) -> None:
     assert "there is a command or a kind of result 'show'" in done.stderr
     assert "nowhere' is not there" in done.stderr
     assert "file = 'missing.nc' cannot be read" in done.stderr
+
+
+def test_what_computes_many_cases_is_a_command_with_a_folder(tmp_path: Path, capsys) -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Cubes(InFolder):
+        """Count the cells of a cube."""
+
+        argument = "edge"
+
+        edge: Annotated[int, Setting("Cells along an edge.")]
+        hollow: Annotated[bool, Setting("Count the faces' alone.")] = False
+
+        def check(self) -> None:
+            if self.edge < 1:
+                raise CaseError(f"edge = {self.edge} is not allowed; allowed: >= 1")
+
+        @property
+        def folder(self) -> Path:
+            """Cube, in this folder."""
+            return tmp_path / "cube"
+
+        def compute(self, folder: Path, crew: Crew) -> Kept:
+            cells = self.edge**3 - (max(self.edge - 2, 0) ** 3 if self.hollow else 0)
+            words = f"{cells} cells, anew: {crew.retry}\n"
+            return Kept(words, {"cells": cells}, {"cells.txt": words}, {}, status=3)
+
+    app = App(result_action="return_value")
+    app.command(command_of_many(Cubes), name="cubes")
+    assert app(["cubes", "3", "--hollow", "--retry"]) == 3
+    printed = capsys.readouterr()
+    assert printed.out == "26 cells, anew: True\n"
+    assert (tmp_path / "cube" / "cells.txt").read_text() == printed.out
+    assert "cells.txt" in printed.err
+    assert app(["cubes", "3", "--json", "-o", str(tmp_path / "other"), "--quiet"]) == 3
+    assert json.loads(capsys.readouterr().out) == {"cells": 27}
+    assert (tmp_path / "other" / "cells.txt").is_file()
+    with pytest.raises(CaseError, match="edge = 0"):
+        app(["cubes", "0"])
+    with pytest.raises(TypeError, match="'retry' is an option already"):
+        settings_class(make_dataclass("Again", [("retry", Annotated[bool, Setting("")], False)]))
 
 
 def test_settings_of_ones_own_that_are_wrong_are_told() -> None:

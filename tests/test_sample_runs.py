@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from celltrain.cli import main, study_run
+from celltrain.cli import in_folder, main
 from celltrain.parameters import CaseError
 from celltrain.stability import stability
 from celltrain.steady import base_sensitivities, steady
@@ -236,7 +236,7 @@ def test_without_the_central_train_there_is_no_sample(tmp_path: Path, capsys, mo
         "[case]\ndiameter = 1\npacking = 0.2\ndegree = 6\n"
         "[distributions]\nshear_modulus = {uniform = {from = 1, to = 2}}\n"
     )
-    monkeypatch.setattr(study_run, "local_workers", one_thread)
+    monkeypatch.setattr(in_folder, "local_workers", one_thread)
     assert main(["sweep", str(file), "-o", str(tmp_path / "out")]) == 3
     assert "celltrain: the train of the means" in capsys.readouterr().err
 
@@ -250,7 +250,7 @@ def one_thread(count: int | None = None) -> Iterator[Workers]:
 def test_the_command_prints_keeps_and_shows(
     complete: tuple[Path, Sampled], tmp_path: Path, capsys, monkeypatch
 ) -> None:
-    monkeypatch.setattr(study_run, "local_workers", one_thread)
+    monkeypatch.setattr(in_folder, "local_workers", one_thread)
     monkeypatch.setattr("celltrain.study.sampling.statistics.RESAMPLES", 20)
     folder = tmp_path / "cells"
     shutil.copytree(complete[0], folder)

@@ -13,12 +13,12 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from celltrain.cli import main, study_run
+from celltrain.cli import in_folder, main
 from celltrain.paper import FIGURES, Finding, PaperFigure
 from celltrain.paper.resolutions import Resolutions
 from celltrain.parameters import Train
 from celltrain.steady import Base, NotConverged
-from celltrain.study import Computed, Outcome, Workers, WorkersLost
+from celltrain.study import Computed, Outcome, StabilityOfCase, Workers, WorkersLost, engine
 from celltrain.study.columns import COLUMNS
 
 
@@ -53,8 +53,8 @@ def use(monkeypatch, make_base):
 
     def use(**options: object) -> None:
         cheap = Cheap(make_base(), **options)
-        monkeypatch.setattr(study_run, "StabilityOfCase", lambda computed: cheap)
-        monkeypatch.setattr(study_run, "local_workers", one_thread)
+        monkeypatch.setattr(engine, "StabilityOfCase", lambda computed: cheap)
+        monkeypatch.setattr(in_folder, "local_workers", one_thread)
 
     return use
 
@@ -80,9 +80,11 @@ def test_a_sweep_writes_everything_and_goes_on(use, study, tmp_path: Path, capsy
     assert main(["sweep", str(study), "-o", str(folder), "--quiet"]) == 3
     assert capsys.readouterr().err == ""
     assert main(["sweep", str(study), "-o", str(folder), "--retry", "--json", "--quiet"]) == 0
-    records = json.loads(capsys.readouterr().out)
-    assert [record["status"] for record in records] == ["finished"] * 3
-    assert records[0]["values"]["error_estimate"] is None
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["data_vars"]["status"]["data"] == ["finished"] * 3
+    assert printed["data_vars"]["error_estimate"]["data"] == [None] * 3
+    assert main(["show", str(folder / "study.nc"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == printed
 
 
 @pytest.mark.parametrize(
@@ -92,7 +94,7 @@ def test_what_stops_a_sweep_says_what_is_kept(
     use, study, tmp_path: Path, capsys, monkeypatch, error, status, said
 ) -> None:
     use()
-    run_study = study_run.run_study
+    run_study = engine.run_study
 
     def stopped(*arguments, progress, **options):
         def tell(state) -> None:
@@ -102,7 +104,7 @@ def test_what_stops_a_sweep_says_what_is_kept(
 
         return run_study(*arguments, progress=tell, **options)
 
-    monkeypatch.setattr(study_run, "run_study", stopped)
+    monkeypatch.setattr(engine, "run_study", stopped)
     folder = tmp_path / "out"
     assert main(["sweep", str(study), "-o", str(folder), "--quiet"]) == status
     message = " ".join(capsys.readouterr().err.split())
@@ -117,11 +119,14 @@ def test_figures_of_the_paper_share_a_study(use, tmp_path: Path, capsys) -> None
     assert main(["paper", "fig6", "--quick", "-o", str(folder)]) == 0
     printed = capsys.readouterr()
     assert "| P8 |" in printed.out
+    assert "coarse grid at M = 1:" in printed.out
     assert "0 of 18 cases were there already" in printed.err
     assert main(["paper", "fig8", "--quick", "-o", str(folder), "--json"]) == 0
     printed = capsys.readouterr()
     assert "18 of 18 cases were there already" in printed.err
-    assert {finding["name"] for finding in json.loads(printed.out)} == {"P11", "P12"}
+    shown = json.loads(printed.out)
+    assert shown["figure"] == "fig8"
+    assert {finding["name"] for finding in shown["findings"]} == {"P11", "P12"}
     assert (folder / "fig6.png").exists()
     assert (folder / "fig8.md").exists()
 
@@ -196,5 +201,5 @@ def test_without_dask_a_message_says_what_to_install(
 
 def test_what_is_computed_follows_the_study_file() -> None:
     plain, other = Computed(), Computed(estimate_error=False)
-    settings = [study_run.StabilityOfCase(each).settings for each in (plain, other)]
+    settings = [StabilityOfCase(each).settings for each in (plain, other)]
     assert settings[0] != settings[1]

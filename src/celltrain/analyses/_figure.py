@@ -1,12 +1,12 @@
 """How figures of the paper that are no studies are shown; `celltrain paper` computes them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NoReturn
 
 from rich.console import Console
 
 from celltrain.contract import Draw, Presentation
-from celltrain.paper import FIGURES, findings_table
+from celltrain.paper import FIGURES, Finding, findings_table
 from celltrain.paper.figure_data import FigureData
 from celltrain.parameters import CaseError
 from celltrain.results import Plain, plain
@@ -36,16 +36,20 @@ class FigurePresentation(Presentation[FigureData]):
     @classmethod
     def summary(cls, result: FigureData) -> dict[str, Plain]:
         """The statements beside what was found."""
-        findings = FIGURES[result.figure].findings(result.data)
-        return {
-            "version": __version__,
-            "kind": result.kind,
-            "figure": result.figure,
-            "findings": [plain(vars(finding)) for finding in findings],
-        }
+        return figure_summary(result.figure, FIGURES[result.figure].findings(result.data))
 
     @classmethod
     def pictures(cls, result: FigureData) -> Mapping[str, Draw]:
         """The figure."""
         both = {str(result.data.attrs["resolution"]): result.data}
         return {result.figure: lambda: FIGURES[result.figure].draw(both)}
+
+
+def figure_summary(figure: str, findings: Sequence[Finding]) -> dict[str, Plain]:
+    """Statements of the paper on a figure beside what was found, as JSON can hold them."""
+    return {
+        "version": __version__,
+        "kind": FigureData.kind,
+        "figure": figure,
+        "findings": [plain(vars(finding)) for finding in findings],
+    }

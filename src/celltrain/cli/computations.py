@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import MISSING, fields, make_dataclass
 from dataclasses import field as dataclass_field
+from pathlib import Path
 from typing import (
     TYPE_CHECKING,
     Annotated,
@@ -19,7 +20,7 @@ from cyclopts import Group, Parameter
 from celltrain.cli.arguments import CaseFile, Json, Output, OwnOutput, Plot, Quiet, Start
 from celltrain.cli.compute import Request, run
 from celltrain.cli.options import OPTIONS, CaseOptions, given_leaves, reader
-from celltrain.contract import Analysis, Setting, WrittenMeanwhile, analysis_named
+from celltrain.contract import Analysis, InFolder, Setting, WrittenMeanwhile, analysis_named
 from celltrain.quantities import Record
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ Command = Callable[..., int]
 #: Options of every command, which no setting may take.
 _RESERVED = {
     *(each.name for each in fields(OPTIONS)),
-    *("case", "start", "output", "plot", "json", "quiet"),
+    *("case", "start", "output", "plot", "json", "quiet", "workers", "scheduler", "retry"),
 }
 
 
@@ -37,9 +38,10 @@ def __getattr__(name: str) -> Command:
     if name.startswith("_"):
         raise AttributeError(name)
     try:
-        return command(analysis_named(name))
+        analysis = analysis_named(name)
     except KeyError as error:
         raise AttributeError(str(error)) from None
+    return command_of_many(analysis) if issubclass(analysis, InFolder) else command(analysis)
 
 
 def command(analysis: type[Analysis[Record]]) -> Command:
@@ -62,10 +64,7 @@ def command(analysis: type[Analysis[Record]]) -> Command:
         request = Request(case, start, output, plot, json, quiet)
         return run(request, given_leaves(options), analysis(**given))
 
-    needed = any(each.default is MISSING for each in fields(options))
-    kind = options if needed else options | None
-    compute.__annotations__["settings"] = Annotated[kind, Parameter(name="*")]  # type: ignore[valid-type]
-    compute.__kwdefaults__ = (compute.__kwdefaults__ or {}) | ({} if needed else {"settings": None})
+    _take_settings(compute, options)
     if issubclass(analysis, WrittenMeanwhile):
         compute.__annotations__["output"] = OwnOutput
     compute.__doc__ = analysis.__doc__
@@ -73,12 +72,66 @@ def command(analysis: type[Analysis[Record]]) -> Command:
     return compute
 
 
-def settings_class(analysis: type[Analysis[Record]]) -> "type[DataclassInstance]":
+def command_of_many(computation: type[InFolder]) -> Command:
+    """The command of a computation of many cases: its argument, and its settings as options."""
+    from celltrain.cli.in_folder import (
+        Count,
+        FolderRequest,
+        Retry,
+        Scheduler,
+        folder_option,
+        run_in_folder,
+    )
+
+    options = settings_class(computation)
+
+    def compute(
+        argument: Any,
+        /,
+        *,
+        settings: Any,
+        output: Path | None = None,
+        workers: Count = None,
+        scheduler: Scheduler = None,
+        retry: Retry = False,
+        json: Json = False,
+        quiet: Quiet = False,
+    ) -> int:
+        given = {} if settings is None else vars(settings)
+        request = FolderRequest(output, workers, scheduler, retry, json, quiet)
+        return run_in_folder(request, computation(**{computation.argument: argument}, **given))
+
+    hint = get_type_hints(computation, include_extras=True)[computation.argument]
+    kind, setting = get_args(hint)
+    name = computation.argument.upper()
+    compute.__annotations__ |= {
+        "argument": Annotated[kind, Parameter(name=name, help=setting.help)],
+        "output": folder_option(computation),
+    }
+    _take_settings(compute, options)
+    compute.__doc__ = computation.__doc__
+    compute.__name__ = computation.__name__.lower()
+    return compute
+
+
+def _take_settings(compute: Command, options: "type[DataclassInstance]") -> None:
+    """Let the parameter `settings` of a command take these options, if there are any."""
+    needed = any(each.default is MISSING for each in fields(options))
+    kind = options if needed else options | None
+    parameter = Parameter(name="*") if fields(options) else Parameter(parse=False)
+    compute.__annotations__["settings"] = Annotated[kind, parameter]  # type: ignore[valid-type]
+    if not needed:
+        compute.__kwdefaults__ = (compute.__kwdefaults__ or {}) | {"settings": None}
+
+
+def settings_class(analysis: type[Analysis[Record] | InFolder]) -> "type[DataclassInstance]":
     """A dataclass of an analysis' settings for cyclopts to read options into."""
     hints = get_type_hints(analysis, include_extras=True)
     group = Group("Analysis", sort_key=1)
     columns: list[tuple[str, Any, Any]] = []
     for each in fields(cast(Any, analysis)):
+        if each.name == getattr(analysis, "argument", None):
+            continue
         kind, *notes = get_args(hints[each.name]) or (None,)
         setting = next((note for note in notes if isinstance(note, Setting)), None)
         if setting is None:

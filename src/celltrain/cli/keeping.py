@@ -7,7 +7,8 @@ the command ends with the status `NOT_KEPT`. What writes is imported when it is 
 import errno
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from rich.console import Console
 from celltrain.contract.status import ExitStatus
 
 if TYPE_CHECKING:
+    from celltrain.contract import Draw
     from celltrain.quantities import Record
 
 
@@ -89,19 +91,29 @@ class Keeper:
         else:
             self._drawn(path, None)
 
+    def saved(self, path: Path, result: "Record") -> None:
+        """Save a result."""
+        from celltrain.results import save  # files take half a second to load
+
+        self.file(path, lambda path: save(result, path))
+
+    def pictures(self, found: "Callable[[], Mapping[str, Draw]]", folder: Path) -> None:
+        """Draw pictures into a folder."""
+        from celltrain.contract.files import draw_each
+
+        for path, failure in draw_each(found, folder):
+            self._drawn(path, failure)
+
     def result(self, result: "Record", output: Path | None, plot: Path | None) -> None:
         """Save a result, and draw its pictures into a folder, where these are asked for."""
         from celltrain.contract import presentation
-        from celltrain.contract.files import draw_each
 
+        shown = presentation(result.kind)
         if output is not None:
-            from celltrain.results import save  # files take half a second to load
-
-            for path, each in presentation(result.kind).files(result, output).items():
-                self.file(path, lambda path, each=each: save(each, path))  # type: ignore[misc]
+            for path, each in shown.files(result, output).items():
+                self.saved(path, each)
         if plot is not None:
-            for path, failure in draw_each(result, plot):
-                self._drawn(path, failure)
+            self.pictures(partial(shown.pictures, result), plot)
 
     def _drawn(self, path: Path, failure: Exception | None) -> None:
         if failure is None:

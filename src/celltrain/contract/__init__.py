@@ -2,7 +2,8 @@
 
 An analysis is one object (`Analysis`), its settings are its fields, and its result is a dataclass
 whose fields say what they are. Commands, files, JSON, reports, pictures, studies and documentation
-are made from it: a new one is one file in `celltrain.analyses`.
+are made from it: a new one is one file in `celltrain.analyses`. What computes many cases, such as a
+study, is an object of the same form (`InFolder`).
 
 Its parts are imported when they are asked for: the command line only needs the names at first.
 """
@@ -28,11 +29,15 @@ if TYPE_CHECKING:
         presentation,
     )
     from celltrain.contract.files import draw_all, load, show
+    from celltrain.contract.in_folder import Crew, InFolder, Kept
     from celltrain.contract.progress import Progress, Silent
 
 __all__ = [
     "Analysis",
+    "Crew",
     "Draw",
+    "InFolder",
+    "Kept",
     "OfStability",
     "Presentation",
     "Progress",
@@ -62,6 +67,7 @@ __getattr__ = imported_later(
         ),
         "catalogue": ("analysis_named", "commands", "first_lines", "kinds", "presentation"),
         "files": ("draw_all", "load", "show"),
+        "in_folder": ("InFolder", "Kept", "Crew"),
         "progress": ("Progress", "Silent"),
     },
 )

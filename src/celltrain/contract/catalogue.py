@@ -1,6 +1,7 @@
 """Which analyses there are: one for each file of `celltrain.analyses`, named as the file.
 
-Names and first lines of help are known without importing any of them.
+Names and first lines of help are known without importing any of them: by `result`, which the class
+of an analysis has, or `argument`, which that of a computation of many cases has.
 """
 
 import ast
@@ -9,16 +10,31 @@ import sys
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from celltrain import analyses
 
 if TYPE_CHECKING:
     from celltrain.contract.analysis import Analysis, Presentation
+    from celltrain.contract.in_folder import InFolder
 
+Wanted = TypeVar("Wanted")
 
 #: Commands that are no analyses, after which none can be named.
-TAKEN = ("case", "cite", "explore", "page", "paper", "plot", "show", "sweep")
+TAKEN = ("case", "cite", "explore", "page", "plot", "show")
+
+
+class _Declared(NamedTuple):
+    """What is known of a file that is not imported."""
+
+    #: The file's own name, without a leading underscore.
+    name: str
+    #: The name of its command, if it is another one.
+    command: str
+    #: The first line of its docstring.
+    line: str
+    #: Whether it computes many cases.
+    of_many: bool
 
 
 @cache
@@ -46,15 +62,16 @@ def _warn(message: str) -> None:
 def kinds() -> tuple[str, ...]:
     """The kinds of all results, in alphabetical order.
 
-    Those whose file begins with an underscore are computed by commands of their own.
+    Those whose file begins with an underscore are computed by commands of other names.
     """
-    return tuple(_files())
+    of_many = {each.name for each in _commands().values() if each.of_many}
+    return tuple(name for name in _files() if name not in of_many)
 
 
 @cache
 def first_lines() -> dict[str, str]:
     """The first line of each analysis' docstring, by the name of its command."""
-    return {command: line for command, (_, line) in sorted(_commands().items())}
+    return {command: each.line for command, each in sorted(_commands().items())}
 
 
 def commands() -> tuple[str, ...]:
@@ -63,27 +80,30 @@ def commands() -> tuple[str, ...]:
 
 
 @cache
-def _commands() -> dict[str, tuple[str, str]]:
-    """The kind of each command's results, and the first line of its help."""
-    found: dict[str, tuple[str, str]] = {}
-    for kind, path in _files().items():
-        if not path.stem.startswith("_"):
-            command, line = _declared(path)
-            found[command or kind] = kind, line
-    return found
+def _commands() -> dict[str, _Declared]:
+    """What the file of each command declares."""
+    declared = (
+        _declared(name, path) for name, path in _files().items() if not path.stem.startswith("_")
+    )
+    return {each.command or each.name: each for each in declared}
 
 
-def analysis_named(name: str) -> "type[Analysis[Any]]":
-    """The analysis of a name.
+def analysis_named(name: str) -> "type[Analysis[Any] | InFolder]":
+    """The analysis, or the computation of many cases, whose command has this name.
 
     Raises:
         KeyError: if there is none.
+        TypeError: if its file does not define one.
     """
     from celltrain.contract.analysis import Analysis
+    from celltrain.contract.in_folder import InFolder
 
     if name not in commands():
         raise KeyError(f"there is no analysis {name!r}; there are: {', '.join(commands())}")
-    found = presentation(_commands()[name][0])
+    declared = _commands()[name]
+    if declared.of_many:
+        return _defined(declared.name, InFolder)
+    found = presentation(declared.name)
     assert issubclass(found, Analysis)
     return found
 
@@ -100,22 +120,32 @@ def presentation(kind: str) -> "type[Presentation[Any]]":
         raise KeyError(f"there is no kind of result {kind!r}; there are: {', '.join(kinds())}")
     from celltrain.contract.analysis import Presentation  # and with it all that computes
 
-    module = import_module(f"{analyses.__name__}.{_files()[kind].stem}")
+    found = _defined(kind, Presentation)  # type: ignore[type-abstract]
+    if found.result.kind != kind:
+        raise TypeError(
+            f"the results in {_files()[kind]} are of the kind {found.result.kind!r}; wanted is"
+            f" the file's name, {kind!r}"
+        )
+    return found
+
+
+def _defined(name: str, base: type[Wanted]) -> type[Wanted]:
+    """The one class of this base that the file of a name defines.
+
+    Raises:
+        TypeError: if there is not one.
+    """
+    module = import_module(f"{analyses.__name__}.{_files()[name].stem}")
     found = [
         each
         for each in vars(module).values()
         if isinstance(each, type)
-        and issubclass(each, Presentation)
+        and issubclass(each, base)
         and each.__module__ == module.__name__
         and not inspect.isabstract(each)
     ]
     if len(found) != 1:
-        raise TypeError(f"{_files()[kind]} defines {len(found)} analyses; wanted is one")
-    if found[0].result.kind != kind:
-        raise TypeError(
-            f"the results in {_files()[kind]} are of the kind {found[0].result.kind!r}; wanted is"
-            f" the file's name, {kind!r}"
-        )
+        raise TypeError(f"{_files()[name]} defines {len(found)} analyses; wanted is one")
     return found[0]
 
 
@@ -137,21 +167,19 @@ def _first_line(node: ast.FunctionDef | ast.ClassDef) -> str:
     return (ast.get_docstring(node) or "No description.").splitlines()[0]
 
 
-def _declared(path: Path) -> tuple[str, str]:
-    """The `command` and the first line of the class in a file that is an analysis.
-
-    It is the one that has a `result`.
-    """
+def _declared(name: str, path: Path) -> _Declared:
+    """What the class in a file says that is an analysis, or computes many cases."""
     try:
         parts = ast.parse(path.read_text(encoding="utf-8")).body
     except (OSError, SyntaxError, ValueError) as error:
-        return "", f"Cannot be used: {error}."
+        return _Declared(name, "", f"Cannot be used: {error}.", of_many=False)
     for node in parts:
         if not isinstance(node, ast.ClassDef):
             continue
         named = {_assigned(each): each for each in node.body}
-        if "result" in named:
+        if "result" in named or "argument" in named:
             value = getattr(named.get("command"), "value", None)
             command = str(value.value) if isinstance(value, ast.Constant) else ""
-            return command, _first_line(node)
-    return "", f"Cannot be used: {path} defines no analysis."
+            return _Declared(name, command, _first_line(node), of_many="argument" in named)
+    line = f"Cannot be used: {path} defines no analysis."
+    return _Declared(name, "", line, of_many=False)

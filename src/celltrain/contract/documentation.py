@@ -7,8 +7,9 @@ import dataclasses
 from collections.abc import Iterator
 from typing import get_args, get_type_hints
 
-from celltrain.contract.analysis import Analysis, Presentation, Setting
-from celltrain.contract.catalogue import commands, kinds, presentation
+from celltrain.contract.analysis import Analysis, Setting
+from celltrain.contract.catalogue import analysis_named, commands, kinds, presentation
+from celltrain.contract.in_folder import InFolder
 from celltrain.quantities import Quantity, quantities
 from celltrain.quantities.fields import hints, split
 from celltrain.results.columns import parts_of
@@ -34,33 +35,52 @@ a result has its name before those of its quantities, as in `base_gap`.
 
 def page() -> str:
     """The page."""
-    sections = [INTRODUCTION, *(_analysis(kind) for kind in kinds()), _parts()]
-    return "\n".join(sections)
+    described = {kind: _analysis(kind) for kind in kinds()}
+    described |= {name: _of_many(name) for name in commands() if _computes_many(name)}
+    return "\n".join([INTRODUCTION, *(each for _, each in sorted(described.items())), _parts()])
+
+
+def _computes_many(name: str) -> bool:
+    return issubclass(analysis_named(name), InFolder)
 
 
 def _analysis(kind: str) -> str:
     shown = presentation(kind)
-    described = shown if issubclass(shown, Analysis) else shown.result
-    first, _, rest = (described.__doc__ or "").partition("\n")
-    lines = [f"## {kind}", "", first.strip()]
-    if rest.strip():
-        lines += ["", *(line.strip() for line in rest.strip().splitlines())]
-    if kind in commands():
+    if issubclass(shown, Analysis):
+        lines = _heading(kind, shown)
+        if shown.command:
+            lines += ["", f"The command is `celltrain {shown.command}`."]
         lines += ["", *_settings(shown)]
+    else:
+        lines = _heading(kind, shown.result)
     lines += ["", *_table(shown.result)]
     return "\n".join(lines) + "\n"
 
 
-def _settings(shown: type[Presentation]) -> Iterator[str]:  # type: ignore[type-arg]
-    known = get_type_hints(shown, include_extras=True)
-    for each in dataclasses.fields(shown):  # type: ignore[arg-type]
+def _of_many(name: str) -> str:
+    computation = analysis_named(name)
+    return "\n".join([*_heading(name, computation), "", *_settings(computation)]) + "\n"
+
+
+def _heading(name: str, described: type) -> list[str]:
+    """Heading and docstring."""
+    first, _, rest = (described.__doc__ or "").partition("\n")
+    lines = [f"## {name}", "", first.strip()]
+    return [*lines, "", *map(str.strip, rest.strip().splitlines())] if rest.strip() else lines
+
+
+def _settings(described: type) -> Iterator[str]:
+    known = get_type_hints(described, include_extras=True)
+    for each in dataclasses.fields(described):
         setting = next(note for note in get_args(known[each.name]) if isinstance(note, Setting))
-        option = setting.option or each.name.replace("_", "-")
+        option = f"--{setting.option or each.name.replace('_', '-')}"
+        if each.name == getattr(described, "argument", ""):
+            option = each.name.upper()
         notes = [f"allowed: {setting.allowed}"] if setting.allowed else []
         if each.default not in (None, dataclasses.MISSING):
             default = f"{each.default:.5g}" if isinstance(each.default, float) else each.default
             notes.append(f"default: {default}")
-        yield f"- `--{option}`: {setting.help}" + (f" ({'; '.join(notes)})" if notes else "")
+        yield f"- `{option}`: {setting.help}" + (f" ({'; '.join(notes)})" if notes else "")
 
 
 def _table(kind: type) -> Iterator[str]:

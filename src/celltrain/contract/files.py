@@ -1,6 +1,7 @@
 """Whatever was computed: read from its file, printed again, drawn."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
@@ -47,22 +48,24 @@ def draw_all(result: Record, folder: str | Path) -> list[Path]:
         OSError: if the folder or a picture cannot be written.
     """
     drawn = []
-    for path, failure in draw_each(result, Path(folder)):
+    for path, failure in draw_each(partial(pictures, result), Path(folder)):
         if failure is not None:
             raise failure
         drawn.append(path)
     return drawn
 
 
-def draw_each(result: Record, folder: Path) -> Iterator[tuple[Path, Exception | None]]:
+def draw_each(
+    found: Callable[[], Mapping[str, Draw]], folder: Path
+) -> Iterator[tuple[Path, Exception | None]]:
     """Draw every picture, also where others fail: each path, and what went wrong with it."""
     try:
-        found = pictures(result)
+        named = found()
         folder.mkdir(parents=True, exist_ok=True)
     except Exception as error:  # whatever a picture's library finds on this machine
         yield folder, error
         return
-    for name, draw in found.items():
+    for name, draw in named.items():
         path = folder / f"{name}.png"
         try:
             draw_file(draw, path)

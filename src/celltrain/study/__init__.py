@@ -11,7 +11,7 @@ from celltrain.study.definition import (
     make_study,
 )
 from celltrain.study.dispatch import NotKept, StudyProgress, WorkersLost
-from celltrain.study.engine import run_study
+from celltrain.study.engine import compute_study, run_study
 from celltrain.study.reading import read_study
 from celltrain.study.result import StudyResult
 from celltrain.study.sampling.collect import collect_sample
@@ -42,6 +42,7 @@ __all__ = [
     "WorkersLost",
     "collect",
     "collect_sample",
+    "compute_study",
     "describe",
     "local_workers",
     "make_sampled_study",

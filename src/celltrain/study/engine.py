@@ -9,15 +9,19 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
+from celltrain.contract import Crew
 from celltrain.parameters import Train
 from celltrain.results import only_writer
 from celltrain.steady import Base
-from celltrain.study.computation import Computation, Outcome
+from celltrain.study.collect import collect
+from celltrain.study.computation import Computation, Outcome, StabilityOfCase
 from celltrain.study.definition import Case, Study
 from celltrain.study.dispatch import TRIES, NotKept, StudyProgress, WorkerDied, work_through
+from celltrain.study.result import StudyResult
 from celltrain.study.store import CaseRecord, Store
 
 
@@ -96,6 +100,18 @@ def run_study(
     """
     with only_writer(folder):
         return _run(study, folder, computation, executor, slots, retry=retry, progress=progress)
+
+
+def compute_study(study: Study, folder: Path, crew: Crew) -> StudyResult:
+    """Run or resume a study in a folder, which is there.
+
+    Raises:
+        CaseError: if another process writes to the folder.
+        ComputationFailed, KeyboardInterrupt: as `celltrain.contract.Crew`.
+    """
+    computation = StabilityOfCase(study.computed)
+    run = partial(run_study, study, folder.absolute(), computation)
+    return collect(study, crew(run, study.title, len(study.cases)))
 
 
 def _run(
