@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, TypeVar
 
 from cyclopts import Parameter
 from rich.progress import (
@@ -53,7 +53,7 @@ Scheduler = Annotated[
 Retry = Annotated[bool, Parameter(help="Compute failed cases again.", negative=())]
 
 
-def folder_option(computation: type[InFolder]) -> Any:
+def folder_option(computation: type[InFolder]) -> object:
     """The option that names the folder, whose help says which is the usual one."""
     usual, *_ = (computation.folder.__doc__ or "").splitlines()
     return Annotated[

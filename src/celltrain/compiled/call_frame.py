@@ -27,7 +27,7 @@ import warnings
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import jax
 import numpy as np
@@ -37,7 +37,8 @@ from numba.extending import intrinsic
 import celltrain.runtime  # noqa: F401
 from celltrain.compiled.header import HEADER, Header
 
-# Address of the frame -> address of an error, 0 for none.
+#: Address of the frame -> address of an error, 0 for none.
+Loop: TypeAlias = Callable[[int], int]
 _SIGNATURE = types.int64(types.int64)
 
 # Words of the frame: what extends it, and the lists of the arguments' and results' addresses.
@@ -151,7 +152,7 @@ def _pointer(typing_context: Any, address: Any) -> Any:
 
 
 @njit(inline="always")
-def words(address: int, count: int) -> Any:
+def words(address: int, count: int) -> np.ndarray:
     """So many 64-bit words from an address on."""
     return carray(_pointer(address), (count,), np.int64)
 
@@ -173,7 +174,7 @@ def answered(frame: int, kinds: tuple[int, ...]) -> bool:
 
 
 @njit(inline="always")
-def _is_question(frame: int) -> Any:
+def _is_question(frame: int) -> bool:
     extension = words(frame, _FRAME_WORDS)[_EXTENSION]
     return extension != 0 and words(extension, _KIND + 1)[_KIND] & 0xFFFFFFFF == _QUESTION
 
@@ -187,7 +188,7 @@ def _describe(frame: int) -> None:
 
 
 @njit(inline="always")
-def _buffer(frame: int, place: int, number: int) -> Any:
+def _buffer(frame: int, place: int, number: int) -> np.ndarray:
     listed = words(words(frame, _FRAME_WORDS)[place], number + 1)
     return words(listed[number], _BUFFER_WORDS)
 
@@ -201,14 +202,14 @@ def _fits(frame: int, kinds: tuple[int, ...]) -> bool:
 
 
 @njit(inline="always")
-def sizes(frame: int, number: int) -> Any:
+def sizes(frame: int, number: int) -> np.ndarray:
     """Sizes of the axes of an argument."""
     buffer = _buffer(frame, _ARGUMENTS, number)
     return words(buffer[_SIZES], buffer[_RANK])
 
 
 @njit(inline="always")
-def _count(buffer: Any) -> int:
+def _count(buffer: np.ndarray) -> int:
     count = 1
     for size in words(buffer[_SIZES], buffer[_RANK]):
         count *= size
@@ -216,37 +217,37 @@ def _count(buffer: Any) -> int:
 
 
 @njit(inline="always")
-def numbers(frame: int, number: int) -> Any:
+def numbers(frame: int, number: int) -> np.ndarray:
     """An argument of 64-bit floats, flat."""
     buffer = _buffer(frame, _ARGUMENTS, number)
     return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.float64)
 
 
 @njit(inline="always")
-def integers(frame: int, number: int) -> Any:
+def integers(frame: int, number: int) -> np.ndarray:
     """An argument of 64-bit integers, flat."""
     buffer = _buffer(frame, _ARGUMENTS, number)
     return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.int64)
 
 
 @njit(inline="always")
-def flags(frame: int, number: int) -> Any:
+def flags(frame: int, number: int) -> np.ndarray:
     """An argument of truth values, flat, as bytes."""
     buffer = _buffer(frame, _ARGUMENTS, number)
     return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.uint8)
 
 
 @njit(inline="always")
-def result(frame: int) -> Any:
+def result(frame: int) -> np.ndarray:
     """The result, 64-bit floats, flat."""
     buffer = _buffer(frame, _RESULTS, 0)
     return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.float64)
 
 
-def handler(name: str) -> Callable[[Callable[[int], int]], Any]:
+def handler(name: str) -> Callable[[Loop], Loop]:
     """Compile a loop, and let XLA find it by its name, on processors, if loops serve here."""
 
-    def compiled(loop: Callable[[int], int]) -> Any:
+    def compiled(loop: Loop) -> Loop:
         if not LOOPS_SERVE:
             return loop
         try:

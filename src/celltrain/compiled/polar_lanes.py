@@ -6,8 +6,8 @@ of opposite azimuth: the tables are those of `harmonics.polar`, arranged for thi
 """
 
 import math
-from typing import Any
 
+import numpy as np
 from numba import njit
 
 from celltrain.compiled.near_loops import FAST
@@ -17,7 +17,9 @@ LANES = 96
 
 
 @njit(fastmath=FAST, error_model="numpy")
-def shift(coefficients: Any, turns: Any, first: int, degree: int, shifted: Any) -> None:
+def shift(
+    coefficients: np.ndarray, turns: np.ndarray, first: int, degree: int, shifted: np.ndarray
+) -> None:
     """Coefficients [cell, channel, k] with each target's longitude brought to 0, [k, lane].
 
     **Arguments:** `turns`: [longitude, cosine or sine, order]; `first`: number of the first target.
@@ -42,7 +44,7 @@ def shift(coefficients: Any, turns: Any, first: int, degree: int, shifted: Any) 
 
 
 @njit(fastmath=FAST, error_model="numpy")
-def rotate(rotation: Any, shifted: Any, degree: int, rotated: Any) -> None:
+def rotate(rotation: np.ndarray, shifted: np.ndarray, degree: int, rotated: np.ndarray) -> None:
     """Coefficients [k, lane] in the frame of a ring, [cosine or sine, order, n, lane]."""
     for n in range(degree):
         middle = n * n + n
@@ -59,7 +61,7 @@ def rotate(rotation: Any, shifted: Any, degree: int, rotated: Any) -> None:
 
 
 @njit(fastmath=FAST, error_model="numpy")
-def sums_over_degrees(rotated: Any, latitude: Any, sums: Any) -> None:
+def sums_over_degrees(rotated: np.ndarray, latitude: np.ndarray, sums: np.ndarray) -> None:
     """Sums over n at two polar angles, [angle, side, order, lane]; latitude: [angle, order, n]."""
     degrees = rotated.shape[2]
     sums[:] = 0.0
@@ -78,7 +80,9 @@ def sums_over_degrees(rotated: Any, latitude: Any, sums: Any) -> None:
 
 
 @njit(fastmath=FAST, error_model="numpy")
-def parts_at_azimuths(by_order: Any, longitude: Any, first: Any, second: Any) -> None:
+def parts_at_azimuths(
+    by_order: np.ndarray, longitude: np.ndarray, first: np.ndarray, second: np.ndarray
+) -> None:
     """What is even and odd in the azimuth, [side, lane], at a first and a second azimuth.
 
     **Arguments:** `by_order`: [side, order, lane]; `longitude`: [azimuth, side, order].
@@ -100,7 +104,12 @@ def parts_at_azimuths(by_order: Any, longitude: Any, first: Any, second: Any) ->
 
 @njit(error_model="numpy")
 def arrange_tables(
-    by_order: Any, around: Any, angles: Any, latitude: Any, longitude: Any, turns: Any
+    by_order: np.ndarray,
+    around: np.ndarray,
+    angles: np.ndarray,
+    latitude: np.ndarray,
+    longitude: np.ndarray,
+    turns: np.ndarray,
 ) -> None:
     """Arrange the tables, given by order from the lowest: what is left out of them stays zero.
 
@@ -122,7 +131,7 @@ def arrange_tables(
 
 
 @njit(error_model="numpy")
-def pair_weights(given: Any, weights: Any) -> None:
+def pair_weights(given: np.ndarray, weights: np.ndarray) -> None:
     """Weights [radial, azimuth, side] of opposite nodes; one that is its own counts once."""
     radial, azimuths = given.shape
     for r in range(radial):
@@ -133,7 +142,7 @@ def pair_weights(given: Any, weights: Any) -> None:
 
 
 @njit(fastmath=FAST, error_model="numpy")
-def sums_over_azimuths(parts: Any, longitude: Any, sums: Any) -> None:
+def sums_over_azimuths(parts: np.ndarray, longitude: np.ndarray, sums: np.ndarray) -> None:
     """Even and odd parts at pairs of nodes times the tables, [side, order, lane].
 
     **Arguments:** `parts`: [azimuth, side, lane], a multiple of four azimuths.
@@ -156,7 +165,7 @@ def sums_over_azimuths(parts: Any, longitude: Any, sums: Any) -> None:
 
 
 @njit(fastmath=FAST, error_model="numpy")
-def add_moments(by_order: Any, latitude: Any, moments: Any) -> None:
+def add_moments(by_order: np.ndarray, latitude: np.ndarray, moments: np.ndarray) -> None:
     """Add what two polar angles give to moments [side, order, n, lane].
 
     **Arguments:** `by_order`: [angle, side, order, lane]; `latitude`: [angle, order, n].
@@ -172,7 +181,7 @@ def add_moments(by_order: Any, latitude: Any, moments: Any) -> None:
 
 
 @njit(fastmath=FAST, error_model="numpy")
-def rotate_back(rotation: Any, moments: Any, rotated: Any) -> None:
+def rotate_back(rotation: np.ndarray, moments: np.ndarray, rotated: np.ndarray) -> None:
     """Moments [side, order, n, lane] in the frame of a ring in that of the shape, [k, lane]."""
     degree = moments.shape[1]
     for n in range(degree):
@@ -190,7 +199,9 @@ def rotate_back(rotation: Any, moments: Any, rotated: Any) -> None:
 
 
 @njit(fastmath=FAST, error_model="numpy")
-def shift_back(rotated: Any, turn: Any, lane: int, first: int, found: Any) -> None:
+def shift_back(
+    rotated: np.ndarray, turn: np.ndarray, lane: int, first: int, found: np.ndarray
+) -> None:
     """Moments [k, lane] of one target as those of the shape as it lies, [component, first + k].
 
     **Arguments:** `turn`: [cosine or sine, order] of the target's longitude.

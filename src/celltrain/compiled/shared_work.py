@@ -19,12 +19,13 @@ few words, released by the last.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
 
 import llvmlite.binding
 from llvmlite import ir
 from numba import cfunc, njit, types
 from numba.core import cgutils
+from numba.core.typing import Context
 from numba.extending import intrinsic
 
 from celltrain.compiled.call_frame import (
@@ -33,9 +34,13 @@ from celltrain.compiled.call_frame import (
     LOOPS_SERVE,
     NUMBER_OF_THREADS,
     SCHEDULE,
+    Loop,
     answered,
     words,
 )
+
+# Types of what an intrinsic is called with and returns, and what writes its code.
+IntrinsicParts: TypeAlias = tuple[types.FunctionType, Callable[..., ir.Value]]
 
 # Words of the work: the loop's frame, the next part, threads that compute, whether it is closed,
 # and who still holds its address.
@@ -72,7 +77,7 @@ def _called(typing_context: Any, function: Any, argument: Any) -> Any:
 
 
 @intrinsic(prefer_literal=True)
-def task_address(typing_context: Any, name: Any) -> Any:
+def task_address(typing_context: Context, name: types.Type) -> IntrinsicParts:
     """Address of the task of a name, which the machine code finds when it is loaded."""
     symbol = _symbol(name.literal_value)
 
@@ -90,10 +95,10 @@ def _symbol(name: str) -> str:
     return f"{name}_task"
 
 
-def task(name: str) -> Callable[[Callable[[int], int]], Any]:
+def task(name: str) -> Callable[[Loop], Loop]:
     """Compile the task of a name, and let machine code find it, if loops serve here."""
 
-    def compiled(function: Callable[[int], int]) -> Any:
+    def compiled(function: Loop) -> Loop:
         if not LOOPS_SERVE:
             return function
         signature = types.int64(types.int64)
@@ -115,7 +120,7 @@ def next_part(work: int) -> int:
 
 
 @njit
-def computed(loop: Any, work: int) -> int:
+def computed(loop: Callable[[int, int], int], work: int) -> int:
     """Run a loop on the parts that it can get, unless the work is closed already."""
     _added(work + 8 * _COMPUTING, 1)
     # Only then: who closes the work waits for all that are counted.
