@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
@@ -83,7 +84,8 @@ def test_degrees_rise_until_it_is_enough() -> None:
 
 
 def test_degrees_without_a_train_are_passed_over(make_base: Callable[..., Base]) -> None:
-    nothing = NotConverged("no steady train", make_base(diameter=2, packing=0.2))
+    base = replace(make_base(diameter=2, packing=0.2), truncation_error=1e-3)
+    nothing = NotConverged("no steady train", base)
 
     def evaluate(degree: int) -> float:
         if not 20 <= degree < least_failing:
@@ -98,6 +100,22 @@ def test_degrees_without_a_train_are_passed_over(make_base: Callable[..., Base])
     least_failing = 20
     with pytest.raises(NotConverged, match="no steady train"):
         raised(evaluate, lambda _: True)
+
+
+def test_a_search_that_ends_at_a_resolved_shape_is_not_repeated(
+    make_base: Callable[..., Base],
+) -> None:
+    # Cells close to spheres have no room at this packing, by any degree.
+    asked: list[int] = []
+
+    def evaluate(degree: int) -> float:
+        asked.append(degree)
+        left_out = {12: 1e-4, 16: 4e-5, 20: 2e-5}[degree]
+        raise NotConverged("no train", replace(make_base(), truncation_error=left_out))
+
+    with pytest.raises(NotConverged, match="no train"):
+        raised(evaluate, lambda _: True)
+    assert asked == [12, 16, 20]
 
 
 def test_narrow_tubes_begin_at_higher_degrees() -> None:

@@ -24,6 +24,8 @@ from celltrain.steady.base import NotConverged
 DEGREES = (12, 16, 20, 24, 32, 40, 48, 56, 64)
 BEST_RATE, WORST_RATE = 0.3, 0.7
 CHANGES = 3
+#: What the last shape of a search leaves out of the velocity (U) where no degree would change it.
+RESOLVED = 3e-5
 #: Fewest degrees whose changes tell what is left.
 FEWEST = 3
 
@@ -84,7 +86,8 @@ def raised(
 ) -> Convergence:
     """The degree raised from `first` until the values are enough, or there is none higher.
 
-    Degrees that are too low for there to be a train are passed over; one that fails above others
+    Degrees that are too low for there to be a train are passed over, unless the shape at which the
+    search ended is resolved, so that a higher one would end there too; one that fails above others
     ends the sequence.
 
     **Raises:** `NotConverged` if there is a value at none; what else `evaluate` raises.
@@ -95,10 +98,10 @@ def raised(
     for degree in ladder:
         try:
             value = evaluate(degree)
-        except NotConverged:
+        except NotConverged as failure:
             if values:
                 break
-            if degree == ladder[-1]:
+            if degree == ladder[-1] or failure.last.truncation_error < RESOLVED:
                 raise
             continue
         degrees, values = (*degrees, degree), (*values, value)
