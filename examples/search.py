@@ -1,9 +1,11 @@
-"""Is the bullet the only steady train? A search from a dozen shapes, by deflation.
+"""Is the bullet the only steady train? A search from some twenty shapes, by deflation.
 
 Physics. The train that the flow reaches from rest need not be the only one: cells could point the
 other way, or be cups. From every guess Newton's method looks for a steady train with those taken
-out that are known already. Each further one comes with its distance from the known one and with the
-growth rate of its axisymmetric disturbances: one that grows is a train that nobody will see.
+out that are known already. What it finds counts if it is there at a higher degree, too, as low
+degrees have trains of their own. Each further one comes with its distance from the known one and
+with the growth rate of its axisymmetric disturbances: one that grows is a train that nobody will
+see.
 
 Scaling. Lengths in r0, velocities in U, rates in U/r0; tube of diameter 6, packing 0.2, degree 8.
 

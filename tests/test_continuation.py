@@ -1,6 +1,8 @@
 """Curves through folds, branches of steady trains, and the boundary of stability."""
 
+import importlib
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +25,8 @@ from celltrain.continuation import (
     branch,
     trace_curve,
 )
+from celltrain.continuation.branch import BEYOND
+from celltrain.continuation.equations import known_point
 from celltrain.contract import load
 from celltrain.results import save
 from celltrain.steady.parameters import parameter_value
@@ -158,13 +162,35 @@ def test_what_was_found_is_in_the_file_of_an_interrupted_command(
     assert len(kept.points) == 2
 
 
+def test_a_branch_ends_where_cells_nearly_touch(
+    single: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Far from where it would end for all users, to be quick.
+    # The package's `branch` is the function.
+    module = importlib.import_module("celltrain.continuation.branch")
+    monkeypatch.setattr(module, "MOST_WORK", 1.5)
+    steps = Steps(first=0.3, largest=0.3)
+    found = branch(single, "packing", to=1.5, steps=steps, most_points=30)
+    assert found.ending.kind == "lost"
+    last = found.points[-1]
+    assert 0.3 < last.value < 1.5
+    words = (
+        rf"the last train is at packing = {last.value:.6g}: the cells are \S+ r0 from each other"
+    )
+    assert re.match(words, found.ending.message)
+    known = known_point(single).state.flow.rules.work
+    works = [known_point(point.base).state.flow.rules.work / known for point in found.points]
+    assert max(works[:-1]) <= 1.5 < works[-1] <= 1.5 * BEYOND
+
+
 def test_branches_that_are_refused(single: Base) -> None:
     with pytest.raises(CaseError, match=r"parameter = 'viscosity_ratio'.*diameter, packing"):
         branch(single, "viscosity_ratio", to=2.0)
     with pytest.raises(CaseError, match="parameter = 'cells'"):
         branch(single, "cells", to=2.0)
-    with pytest.raises(CaseError, match="packing = 8"):
-        branch(single, "packing", to=8.0)
+    for beyond in (3.0, 8.0):
+        with pytest.raises(CaseError, match=rf"packing = {beyond:g} .* allowed: > 0 and < \d\."):
+            branch(single, "packing", to=beyond)
     with pytest.raises(CaseError, match=r"to = 0.3 is not allowed"):
         branch(single, "packing", to=0.3)
 
@@ -238,7 +264,7 @@ def test_command(
     ("arguments", "words"),
     [
         (["--along", "cells", "--to", "2"], "along = 'cells' is not allowed"),
-        (["--along", "packing", "--to", "8"], "packing = 8"),
+        (["--along", "packing", "--to", "3"], "packing = 3 is not allowed"),
         (["--along", "packing", "--from", "0.3", "--to", "0.3"], "to = 0.3 is not allowed"),
         (["--along", "packing", "--from", "-1", "--to", "0.3"], "packing = -1"),
     ],

@@ -1,5 +1,6 @@
 """Newton's method with known roots taken out finds the others; a search says what it tried."""
 
+import itertools
 import json
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,10 +24,16 @@ from celltrain.continuation import (
     search_trains,
 )
 from celltrain.continuation.deflation import deflated_step, deflation
-from celltrain.continuation.search import SAME, first_guesses, reversed_profile
+from celltrain.continuation.equations import evaluate_steady, known_point, to_unknowns
+from celltrain.continuation.guesses import FITTING, first_guesses, reversed_profile, squeezed
+from celltrain.continuation.search import SAME
 from celltrain.harmonics import UNIT_DISPLACEMENT, coefficients_of
-from celltrain.meridian.geometry import meridian_points
+from celltrain.meridian.geometry import largest_radius, meridian_points
 from celltrain.proximity.meridian import crosses_itself
+from celltrain.steady.form import form_of
+from celltrain.steady.iterate import Iterated
+from celltrain.steady.problem import SteadyProblem
+from celltrain.steady.solve import at_degree
 
 # x^3 = x and y^2 = 4: six roots.
 ROOTS = {(x, y) for x in (-1.0, 0.0, 1.0) for y in (-2.0, 2.0)}
@@ -78,8 +85,35 @@ def test_endings() -> None:
     attempt = deflated_newton(problem, START, None, [], Tries(most_steps=1))
     assert not attempt.converged
     assert attempt.reason == "1 steps were not enough"
+    few = deflated_newton(problem, START, None, [], Tries(most_evaluations=3))
+    assert not few.converged
+    assert few.reason == "3 evaluations were not enough"
+    # A first evaluation, and at least one for each step.
+    assert 1 + few.steps <= few.evaluations
     with pytest.raises(NoSolution):
         deflated_newton(problem, 20.0 * START, None, [], Tries())
+
+
+def test_a_try_that_comes_no_nearer_to_a_root_is_given_up() -> None:
+    def falling(point: np.ndarray, _: None) -> Evaluation[None]:
+        """1 + exp(-x) has no root, and falls for ever."""
+        fall = np.exp(-point)
+        return Evaluation(1.0 + fall, -np.diag(fall), float(1.0 + fall[0]), None)
+
+    attempt = deflated_newton(falling, np.zeros(1), None, [], Tries(patience=7))
+    assert not attempt.converged
+    assert attempt.steps == 7
+    assert attempt.reason == "given up: no nearer to a root within 7 steps"
+
+
+def test_shapes_that_take_too_much_are_passed_by(coarse_base: Base) -> None:
+    known = known_point(coarse_base)
+    wide = 0.98 * coarse_base.train.radius / largest_radius(coarse_base.profile)
+    profile = coarse_base.profile * np.array([[1.0], [wide]])
+    unknowns, work = to_unknowns(profile), known.problem.rules(profile).work
+    assert evaluate_steady(known.problem, unknowns, known, most_work=work).error > 0.0
+    with pytest.raises(NoSolution, match="all but touch"):
+        evaluate_steady(known.problem, unknowns, known, most_work=work - 1)
 
 
 def test_meridians_of_cells(coarse_base: Base) -> None:
@@ -104,11 +138,26 @@ def test_meridians_of_cells(coarse_base: Base) -> None:
 def test_guesses_have_the_sizes_they_name(coarse_base: Base) -> None:
     guesses = dict(first_guesses(coarse_base))
     rest = guesses["the resting shape"]
-    z = meridian_points(guesses["the resting shape bent by +0.6 r0"] - rest, 201)[1]
+    z = meridian_points(guesses["the resting shape, bent by +0.6 r0"] - rest, 201)[1]
     assert_allclose(z[0] - z[100], 0.6, rtol=1e-12)
     disturbed = guesses["the known one disturbed by 0.5 r0 (draw 3)"] - coarse_base.profile
     assert_allclose(np.linalg.norm(disturbed), 0.5 * UNIT_DISPLACEMENT, rtol=1e-12)
-    assert len(guesses) == 12
+    assert len(guesses) == 19
+    for name in ("a bullet", "a bullet with a dimple", "a parachute"):
+        assert f"a {form_of(guesses[name])}" == name
+    problem = SteadyProblem(coarse_base.train)
+    for name in ("a parachute", "the resting shape, bent by -1.2 r0"):
+        volume = problem.membrane.volume(guesses[name])
+        assert_allclose(volume, problem.target_volume, rtol=1e-12)
+
+
+def test_guesses_fit_into_the_tube(coarse_base: Base) -> None:
+    problem = SteadyProblem(coarse_base.train)
+    narrow = replace(coarse_base, train=coarse_base.train.changed(diameter=2.5))
+    for name, profile in itertools.islice(first_guesses(narrow), 8):
+        assert largest_radius(profile) <= FITTING * 1.25 * (1.0 + 1e-12), name
+        assert_allclose(problem.membrane.volume(profile), problem.target_volume, rtol=1e-12)
+    assert squeezed(problem.rest, 2.0) is problem.rest
 
 
 def test_search_for_other_trains(coarse_base: Base) -> None:
@@ -135,8 +184,41 @@ def test_a_train_is_found_that_is_not_known(coarse_base: Base) -> None:
     search = search_trains(pretended, guesses=[("a moved one", moved)], most_tries=1)
     assert search.tries[0].outcome == "found another train"
     found = search.found[0]
-    assert_allclose(found.base.coefficients, coarse_base.coefficients, rtol=0, atol=1e-8)
     assert found.axisymmetric_rate < 0.0
+    # Followed to a degree half as high again, where it is the train that is found from rest.
+    assert (search.degree, search.higher_degree) == (6, 12)
+    finer = at_degree(coarse_base, 12)
+    assert_allclose(found.base.coefficients, finer.coefficients, rtol=0, atol=1e-8)
+    change = abs(finer.cell_velocity - coarse_base.cell_velocity)
+    assert_allclose(found.velocity_change, change, rtol=1e-5)
+
+
+def test_what_is_a_train_at_a_low_degree_alone_is_counted_apart(
+    coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    turned = coefficients_of(reversed_profile(coarse_base.profile))
+    pretended = replace(coarse_base, coefficients=turned)
+    moved = coarse_base.profile.copy()
+    moved[0, 3] += 0.05
+
+    def nowhere(problem: SteadyProblem, profile: np.ndarray, **_: object) -> Iterated:
+        return Iterated(problem.state(profile), (), "step")
+
+    monkeypatch.setattr("celltrain.continuation.search.newton", nowhere)
+    search = search_trains(pretended, guesses=[("a moved one", moved)], most_tries=1)
+    assert search.found == ()
+    assert search.tries[0].outcome == "found a train of degree 6 alone"
+    assert search.alone == 1
+    assert search.statement.endswith("at degree 6; 1 more is of this degree alone")
+
+
+def test_a_search_at_a_lower_degree(coarse_base: Base) -> None:
+    finer = at_degree(coarse_base, 8)
+    search = search_trains(finer, guesses=[("the known one", coarse_base.profile)], degree=6)
+    assert (search.degree, search.higher_degree) == (6, 8)
+    assert search.tries[0].outcome == "the guess is a known train"
+    with pytest.raises(CaseError, match="degree = 64 is not allowed"):
+        search_trains(finer, degree=64)
 
 
 def test_what_is_refused(coarse_base: Base) -> None:
@@ -149,17 +231,19 @@ def searched(coarse_base: Base) -> BranchSearch:
     """A search that nobody made: two tries from one guess, a further train, and no more."""
     other = replace(coarse_base, cell_velocity=1.5, origin="made up")
     tries = (
-        SearchTry("the resting shape", 5, "found another train", 1e-10, other),
-        SearchTry("the resting shape", 0, "cells overlap", float("nan"), None),
+        SearchTry("the resting shape", 5, 7, "found another train", 1e-10, other),
+        SearchTry("the resting shape", 0, 1, "cells overlap", float("nan"), None),
     )
-    found = (FoundTrain(other, "the resting shape", 0.7, -0.01),)
-    return BranchSearch(coarse_base, tries, found)
+    found = (FoundTrain(other, "the resting shape", 0.7, 1e-3, -0.01),)
+    return BranchSearch(coarse_base, 6, 12, tries, found)
 
 
 def test_statements(searched: BranchSearch) -> None:
-    assert searched.statement == "1 further steady train was found in 2 tries from 1 guess"
+    assert searched.statement == (
+        "1 further steady train was found in 2 tries from 1 guess at degree 6"
+    )
     none = replace(searched, found=(), tries=searched.tries[1:])
-    assert none.statement == "no further steady train was found in 1 try from 1 guess"
+    assert none.statement == ("no further steady train was found in 1 try from 1 guess at degree 6")
 
 
 def test_command(
@@ -190,7 +274,7 @@ def test_command(
     assert content["known"]["cell_velocity"] == searched.known.cell_velocity
     assert [each["residual"] for each in content["tries"]] == [1e-10, None]
     assert content["found"][0]["base"]["cell_velocity"] == 1.5
-    assert "try 2: from the resting shape: cells overlap" in printed.err
+    assert "try 2: from the resting shape: cells overlap (0 steps, 1 evaluations)" in printed.err
     names = sorted(each.name for each in tmp_path.iterdir())
     assert names == ["search.png", "trains-1.nc", "trains.nc"]
     again = load(tmp_path / "trains-1.nc")

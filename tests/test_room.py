@@ -36,11 +36,21 @@ def test_a_tube_that_no_cell_passes_is_refused() -> None:
 
 def test_cells_that_are_more_than_the_tube_holds_are_refused() -> None:
     # A volume of 4 pi/3 in pi (D/2)^2 for each cell.
-    most = 0.75 * 2.0**2
-    case = {"diameter": 4, "degree": DEGREE, "reference": "sphere"}
+    most = 0.75 * 1.2**2
+    case = {"diameter": 2.4, "degree": DEGREE, "reference": "sphere"}
     check_room(Train(packing=0.999 * most, **case))
-    with pytest.raises(CaseError, match=r"packing = 3\.1 .* allowed: > 0 and < 3\.0000"):
-        steady(Train(packing=3.1, **case))
+    with pytest.raises(CaseError, match=r"fill more than the tube; allowed: > 0 and < 1\.0800"):
+        steady(Train(packing=1.1, **case))
+
+
+def test_cells_that_would_overlap_in_a_wide_tube_are_refused() -> None:
+    # A closed surface has at least twice the area of its shadow: for a sphere half of 4 pi.
+    case = {"diameter": 6, "degree": DEGREE, "reference": "sphere"}
+    check_room(Train(packing=1.499, **case))
+    with pytest.raises(CaseError, match=r"would overlap; allowed: > 0 and < 1\.5000"):
+        steady(Train(packing=1.51, **case))
+    with pytest.raises(CaseError, match=r"packing = 3 .* allowed: > 0 and < 2\.\d+"):
+        check_room(Train(diameter=6, packing=3, degree=DEGREE))
 
 
 def test_the_cases_degree_need_not_be_known() -> None:

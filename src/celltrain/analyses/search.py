@@ -20,7 +20,9 @@ from celltrain.steady import Base, steady
 class SteadySearch(Analysis[BranchSearch]):
     """Search for further steady trains of a case, by deflation of those that are known.
 
-    The known one is the train which the flow reaches from rest. That none is found proves nothing.
+    The known one is the train which the flow reaches from rest. The search is made at a low degree;
+    what it finds is followed to a higher one, as low degrees have trains of their own, which are
+    counted apart. That none is found proves nothing.
     With an output file every further train also gets one of its own, NAME-1.nc, NAME-2.nc, ...,
     from which --start goes on.
     """
@@ -30,7 +32,7 @@ class SteadySearch(Analysis[BranchSearch]):
     most_tries: Annotated[
         int,
         Setting(
-            "End after this many tries; each takes up to ten seconds at degree 12.",
+            "End after this many tries; each takes at most some seconds at degree 12.",
             "whole numbers >= 1",
         ),
     ] = MOST_TRIES
@@ -54,7 +56,8 @@ class SteadySearch(Analysis[BranchSearch]):
 
         def show(each: SearchTry) -> None:
             done.append(each)
-            progress.log(f"try {len(done)}: from {each.guess}: {each.outcome}")
+            took = f"{each.steps} steps, {each.evaluations} evaluations"
+            progress.log(f"try {len(done)}: from {each.guess}: {each.outcome} ({took})")
             progress.part(title, len(done), self.most_tries)
 
         base = steady(train, start=start, progress=progress.iteration)
@@ -78,15 +81,15 @@ class SteadySearch(Analysis[BranchSearch]):
         known = result.known
         console.print(case_line(known))
         console.print(f"known: {known.form}, U_c = {known.cell_velocity:.5f} U ({known.origin})")
-        tries = titled("Tries", "from", "steps")
+        tries = titled("Tries", "from", "steps", "evaluations")
         tries.add_column("outcome")
         for each in result.tries:
-            tries.add_row(each.guess, str(each.steps), each.outcome)
+            tries.add_row(each.guess, str(each.steps), str(each.evaluations), each.outcome)
         console.print(tries)
         if result.found:
             trains = titled(
-                "Further trains (r0, U, mu)",
-                *("from", "form", "U_c", "gap", "mu_eff", "distance", "alpha, m = 0"),
+                f"Further trains at degree {result.higher_degree} (r0, U, mu)",
+                *("from", "form", "U_c", "gap", "mu_eff", "distance", "change", "alpha, m = 0"),
                 left=2,
             )
             for other in result.found:
@@ -97,6 +100,7 @@ class SteadySearch(Analysis[BranchSearch]):
                     f"{other.base.gap:.4f}",
                     f"{other.base.effective_viscosity:.5f}",
                     f"{other.distance:.3f}",
+                    f"{other.velocity_change:.0e}",
                     f"{other.axisymmetric_rate:.5f}",
                 )
             console.print(trains)

@@ -4,7 +4,8 @@ The unknowns are those of a steady train (see `equations`) and one of its parame
 
     F(a, p, c) = [ v(a, p) - c n,  V(a) - V0(p) ]
 
-is followed by its arclength in a/sqrt(4 pi) (r0) and p/p0, p0 its first value.
+is followed by its arclength in a/sqrt(4 pi) (r0) and p/p0, p0 its first value. It ends where cells
+all but touch each other or the wall: what a train takes grows there without bound.
 """
 
 import math
@@ -32,17 +33,26 @@ from celltrain.continuation.equations import (
 )
 from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.parameters import CaseError, Train
+from celltrain.proximity.meridian import clearance
 from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability import Mode, Stability
-from celltrain.steady import Base, NotConverged, steady
+from celltrain.steady import Base
 from celltrain.steady.parameters import PARAMETERS, parameter_value, parameters_of
+from celltrain.steady.path import follow
 from celltrain.steady.problem import SteadyProblem, change_of_profile
 from celltrain.steady.room import check_room
 from celltrain.steady.sensitivity import rates_by_parameter
+from celltrain.steady.solve import describe
 from celltrain.steady.varied import VariedTrain
 
 #: Parameters along which there are branches: steady trains do not depend on the viscosity ratio.
 ALONG = tuple(name for name in PARAMETERS if name != "viscosity_ratio")
+
+# A branch ends after a train that takes more than this many times what its first one takes, and
+# passes by those that take so many times more than that.
+MOST_WORK, BEYOND = 64, 4
+# Newton's steps on the way to the train at the last value itself.
+MOST_ITERATIONS = 60
 
 Dynamics = Callable[[Base], Stability]
 
@@ -109,7 +119,8 @@ def branch(
     **Arguments:**
 
     - `parameter`: one of `ALONG`.
-    - `to`: its last value. A branch that turns back at a fold ends at the first value again.
+    - `to`: its last value. A branch that turns back at a fold ends at the first value again, and
+      one whose cells come to touch before it reaches the value where they nearly do.
     - `steps`: how it is followed.
     - `analyse`: from each steady train its linear dynamics, such as `stability`.
     - `progress`: called with every point.
@@ -131,7 +142,8 @@ def branch(
             if points[-1].value != to:
                 ending = CurveEnding("turned back", "the branch turned back to its first value")
     except CurveLost as failure:
-        ending = CurveEnding("lost", str(failure))
+        where = f"the last train is at {parameter} = {points[-1].value:.6g}: " if points else ""
+        ending = CurveEnding("lost", f"{where}{failure}")
     except KeyboardInterrupt:
         ending = CurveEnding("interrupted", "interrupted")
     return Branch(parameter, tuple(points), ending)
@@ -151,14 +163,16 @@ def follow_branch(
     """
     first = check_branch(start.train, parameter, to)
     steps = Steps() if steps is None else steps
-    problem = _equations(parameter, first)
+    known = known_point(start)
+    most = MOST_WORK * known.state.flow.rules.work
+    problem = _equations(parameter, first, BEYOND * most)
     origin = f"branch along {parameter} from {first:g}"
     base = start
     # (a/sqrt(4 pi), p/p0, c).
     begin = np.insert(to_unknowns(start.profile), -1, 1.0)
     towards = np.zeros_like(begin)
     towards[-2] = np.sign(to - first)
-    for point in trace_curve(problem, begin, towards, known_point(start), steps):
+    for point in trace_curve(problem, begin, towards, known, steps):
         value = first * float(point.unknowns[-2])
         if (value - to) * (to - first) >= 0.0:
             yield _last(base, parameter, to, point, steps, analyse)
@@ -167,6 +181,9 @@ def follow_branch(
             return
         base = point.state.base(origin)
         yield _point(base, value, point, analyse)
+        if point.state.problem.rules(base.profile).work > most:
+            apart = clearance(base.profile, base.train.period, base.train.radius)
+            raise CurveLost(f"the cells are {apart:.2g} r0 from each other or the wall")
 
 
 def check_branch(train: Train, parameter: str, to: float) -> float:
@@ -203,20 +220,15 @@ def _last(
     analyse: Dynamics | None,
 ) -> BranchPoint:
     """The train at the last value itself, which the curve has just passed."""
-    try:
-        end = steady(
-            base.train.changed(**{parameter: to}),
-            start=base,
-            tolerance=steps.tolerance,
-            estimate_error=False,
-        )
-    except NotConverged as failure:
-        raise CurveLost(f"the last value is not reached: {failure}") from None
-    return _point(end, to, point, analyse)
+    end = base.train.changed(**{parameter: to})
+    found = follow(base.train, base.profile, end, tolerance=steps.tolerance, most=MOST_ITERATIONS)
+    if not found.complete:
+        raise CurveLost(f"{parameter} = {to:g} itself is not reached")
+    return _point(describe(found.problem, found.iterated, base.origin), to, point, analyse)
 
 
 def _equations(
-    parameter: str, first: float
+    parameter: str, first: float, most_work: float
 ) -> Callable[[Unknowns, SteadyPoint], Evaluation[SteadyPoint]]:
     """F, its derivatives, and the train that belongs to some unknowns."""
 
@@ -224,7 +236,7 @@ def _equations(
         value = first * float(unknowns[-2])
         try:
             problem = SteadyProblem(near.problem.train.changed(**{parameter: value}))
-            found = evaluate_steady(problem, np.delete(unknowns, -2), near)
+            found = evaluate_steady(problem, np.delete(unknowns, -2), near, most_work=most_work)
             profile = change_of_profile(UNIT_DISPLACEMENT * unknowns[:-2])
             varied = VariedTrain(problem, profile, parameter)
         except CaseError as error:

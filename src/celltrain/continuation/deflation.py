@@ -11,7 +11,9 @@ and Morrison,
     dx_G = dx_F/(1 - (grad log mu).dx_F),     dx_F = -J^-1 F,
 
 so the derivatives of F serve. The step is cut to a largest length and halved until |G| falls by a
-small part of what Newton's method promises (Armijo's rule).
+small part of what Newton's method promises (Armijo's rule). A try from a guess that leads nowhere
+would take all steps that are allowed, many of them halved often: it is given up when |G| has not
+fallen to a half within some steps, and after so many evaluations of F at the latest.
 """
 
 from collections.abc import Sequence
@@ -24,6 +26,8 @@ from jaxtyping import Float
 from celltrain.continuation.arclength import Evaluation, NoSolution, Problem, State, Unknowns
 
 POWER = 2.0
+# What |G| must have fallen to for a try to go on.
+HALF = 0.5
 
 
 @dataclass(frozen=True)
@@ -31,10 +35,13 @@ class Tries:
     """How long a root is sought from one guess; lengths in the norm of the unknowns.
 
     `tolerance` bounds the error of a root; `decrease` is the part of the promised fall of |G| that
-    a step must bring, `most_halvings` how often it is halved for that.
+    a step must bring, `most_halvings` how often it is halved for that. A try is given up when |G|
+    has not fallen to a half within `patience` steps, or after `most_evaluations` of F.
     """
 
     most_steps: int = 60
+    most_evaluations: int = 120
+    patience: int = 12
     largest: float = 0.4
     most_halvings: int = 8
     tolerance: float = 1e-9
@@ -43,11 +50,15 @@ class Tries:
 
 @dataclass(frozen=True)
 class Attempt(Generic[State]):
-    """Where a try has ended: at a root, or at the last point with the reason why it is none."""
+    """Where a try has ended: at a root, or at the last point with the reason why it is none.
+
+    `evaluations` of F are those of all steps, halved ones included.
+    """
 
     unknowns: Unknowns
     evaluation: Evaluation[State]
     steps: int
+    evaluations: int
     converged: bool
     reason: str
 
@@ -91,22 +102,40 @@ def deflated_newton(
 
     **Raises:** `NoSolution` if the equations cannot be evaluated at the start.
     """
-    unknowns, evaluation = start, problem(start, state)
-    for steps in range(tries.most_steps):
-        if evaluation.error < tries.tolerance:
-            return Attempt(unknowns, evaluation, steps, True, "converged")
+    unknowns, evaluation, evaluations = start, problem(start, state), 1
+    sizes = [deflated_size(start, evaluation, known)]
+
+    def ended(reason: str) -> Attempt[State]:
+        converged = evaluation.error < tries.tolerance
+        why = "converged" if converged else reason
+        return Attempt(unknowns, evaluation, len(sizes) - 1, evaluations, converged, why)
+
+    while evaluation.error >= tries.tolerance or not np.isfinite(evaluation.error):
+        if len(sizes) > tries.most_steps:
+            return ended(f"{tries.most_steps} steps were not enough")
+        if evaluations >= tries.most_evaluations:
+            return ended(f"{tries.most_evaluations} evaluations were not enough")
+        if len(sizes) > tries.patience and sizes[-1] > HALF * sizes[-1 - tries.patience]:
+            return ended(f"given up: no nearer to a root within {tries.patience} steps")
         slope = deflation(unknowns, known)[1]
         try:
             step = deflated_step(evaluation.residual, evaluation.jacobian, slope)
         except np.linalg.LinAlgError:
-            return Attempt(unknowns, evaluation, steps, False, "the derivatives are singular")
-        found = _shortened(problem, unknowns, evaluation, step, known, tries)
+            return ended("the derivatives are singular")
+        found, taken = _shortened(problem, unknowns, evaluation, step, known, tries)
+        evaluations += taken
         if found is None:
-            return Attempt(unknowns, evaluation, steps, False, "no step brings a root nearer")
+            return ended("no step brings a root nearer")
         unknowns, evaluation = found
-    converged = evaluation.error < tries.tolerance
-    reason = "converged" if converged else f"{tries.most_steps} steps were not enough"
-    return Attempt(unknowns, evaluation, tries.most_steps, converged, reason)
+        sizes.append(deflated_size(unknowns, evaluation, known))
+    return ended("converged")
+
+
+def deflated_size(
+    unknowns: Unknowns, evaluation: Evaluation[State], known: Sequence[Unknowns]
+) -> float:
+    """|G| at a point that is no known root."""
+    return deflation(unknowns, known)[0] * float(np.linalg.norm(evaluation.residual))
 
 
 def _shortened(
@@ -116,22 +145,25 @@ def _shortened(
     step: Unknowns,
     known: Sequence[Unknowns],
     tries: Tries,
-) -> tuple[Unknowns, Evaluation[State]] | None:
-    """The point that a part of a step leads to at which |G| has fallen; None if there is none."""
+) -> tuple[tuple[Unknowns, Evaluation[State]] | None, int]:
+    """The point that a part of a step leads to at which |G| has fallen, and the evaluations of F.
+
+    None if there is no such point.
+    """
     length = float(np.linalg.norm(step))
     if not np.isfinite(length):
-        return None
-    size = deflation(unknowns, known)[0] * float(np.linalg.norm(before.residual))
+        return None, 0
+    size = deflated_size(unknowns, before, known)
     part = min(1.0, tries.largest / length)
-    for _ in range(tries.most_halvings + 1):
+    for taken in range(1, tries.most_halvings + 2):
         there = unknowns + part * step
         try:
             after = problem(there, before.state)
         except NoSolution:
             after = None
         if after is not None:
-            reached = deflation(there, known)[0] * float(np.linalg.norm(after.residual))
+            reached = deflated_size(there, after, known)
             if reached <= (1.0 - tries.decrease * part) * size:
-                return there, after
+                return (there, after), taken
         part *= 0.5
-    return None
+    return None, tries.most_halvings + 1

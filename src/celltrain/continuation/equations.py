@@ -10,6 +10,7 @@ Rules stay those of the point before while they serve, so that they do not jump 
 correction.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,11 +51,14 @@ def to_unknowns(profile: Profile) -> Unknowns:
 
 
 def evaluate_steady(
-    problem: SteadyProblem, unknowns: Unknowns, near: SteadyPoint
+    problem: SteadyProblem, unknowns: Unknowns, near: SteadyPoint, *, most_work: float = math.inf
 ) -> Evaluation[SteadyPoint]:
     """F, its derivatives in the unknowns, and the shape that belongs to them.
 
-    **Raises:** `NoSolution` where cells overlap each other or the wall.
+    **Arguments:** `most_work`: what an evaluation may take (see `Rules.work`).
+
+    **Raises:** `NoSolution` where cells overlap each other or the wall, or come so close that an
+    evaluation would take more.
     """
     profile = change_of_profile(UNIT_DISPLACEMENT * unknowns[:-1])
     # Searches come across meridians beyond the axis, whose distance from the wall is on that side.
@@ -64,6 +68,8 @@ def evaluate_steady(
     rules = problem.rules(profile)
     if near.state.flow.rules.covers(rules):
         rules = near.state.flow.rules
+    elif rules.work > most_work:
+        raise NoSolution("cells all but touch, or are drawn out too far")
     state = problem.state(profile, rules)
     rates, normal = state.rates, state.volume_gradient
     size = len(rates)

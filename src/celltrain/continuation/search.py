@@ -1,18 +1,19 @@
 """A search for further steady trains of the same parameters, by deflation.
 
 A steady train that is known is the one which the flow reaches from rest, or its branch's; others
-may exist. From each of several first guesses Newton's method with all known trains deflated (see
-`deflation`) looks for another, and again from the same guess when it has found one. Nothing proves
-that there are no more trains: what a search says is what it tried and what it found.
+may exist. From each of several first guesses (see `guesses`) Newton's method with all known trains
+deflated (see `deflation`) looks for another, and again from the same guess when it has found one.
+Nothing proves that there are no more trains: what a search says is what it tried and what it found.
 
-Guesses are, in this order: the resting shape, the cell bent forwards and backwards (z + b cos^2
-theta), the known one pointing the other way, the trains at other packings, and the known one
-disturbed in its lower harmonics. A root whose meridian crosses itself or the axis is the shape of
-no cell; it is deflated, too, and counted apart.
+It is made at a low degree, and what it finds is followed to a higher one, as low degrees have
+trains of their own: what is none there is counted apart. So is a root whose meridian crosses
+itself or the axis, the shape of no cell; both are deflated, too. Each try is bounded in steps and
+evaluations, and passes by shapes whose evaluation takes many times that of the known train, which
+all but touch the wall or each other or are drawn out far beyond a cell.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
@@ -26,25 +27,32 @@ from celltrain.continuation.equations import (
     known_point,
     to_unknowns,
 )
-from celltrain.harmonics import UNIT_DISPLACEMENT, Profile
-from celltrain.parameters import CaseError
+from celltrain.continuation.guesses import first_guesses
+from celltrain.harmonics import Profile
+from celltrain.parameters import CaseError, Train
 from celltrain.proximity.meridian import crosses_itself
 from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability import stability
-from celltrain.steady import Base, NotConverged, steady
-from celltrain.steady.problem import SteadyProblem, change_of_profile
+from celltrain.steady import Base, NotConverged
+from celltrain.steady.degree import DEGREES
+from celltrain.steady.iterate import Iterated, newton
+from celltrain.steady.path import change_degree
+from celltrain.steady.problem import SteadyProblem
+from celltrain.steady.solve import TOLERANCE, at_degree, describe
+from celltrain.steady.ways import first_degree, no_sizes
 
 #: Tries unless told otherwise: one for each guess, and some for what is found.
-MOST_TRIES = 16
-# Factors of the packing at which other trains are guesses.
-PACKINGS = (0.7, 1.4)
-# Displacements of the poles (r0) of a bent cell, and sizes of random disturbances (r0).
-BENT = (0.6, -0.6, 1.2, -1.2)
-DISTURBED = (0.2, 0.2, 0.5, 0.5)
-# Harmonics up to this degree are disturbed.
-LOWEST = 5
+MOST_TRIES = 24
 # Two trains nearer than this, in a/sqrt(4 pi), are the same (r0).
 SAME = 1e-4
+# Shapes that take more than this many times what the known train takes are passed by.
+MOST_WORK = 16
+# Degrees of the search up to the first, and the least ratio of the one that trains are followed to.
+HIGHEST, FINER = 48, 1.5
+# Newton's steps at each degree on the way there.
+MOST_CORRECTIONS = 20
+# How tries are called that led to what is no train.
+ALONE, CROSSED = "found a train of degree", "found a shape that crosses itself"
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +61,7 @@ class SearchTry(Record):
 
     guess: Annotated[str, Quantity("", "1", "what it started from")]
     steps: Annotated[int, Quantity("", "1", "steps of Newton's method")]
+    evaluations: Annotated[int, Quantity("", "1", "evaluations of the steady equations")]
     outcome: Annotated[str, Quantity("", "1", "how it ended")]
     residual: Annotated[float, Quantity("", "U", "residual at the end, NaN if there was none")]
     base: Annotated[Base | None, Quantity("", "1", "the train it led to", bulky=True)]
@@ -60,7 +69,7 @@ class SearchTry(Record):
 
 @dataclass(frozen=True, eq=False)
 class FoundTrain(Record):
-    """A further steady train, the guess that led to it, its distance from the known one in r0.
+    """A further steady train at the higher degree, and the guess that led to it.
 
     `axisymmetric_rate` is the largest growth rate (U/r0) of its axisymmetric disturbances (m = 0,
     the waves of the train's N cells), neutral ones set aside.
@@ -68,7 +77,12 @@ class FoundTrain(Record):
 
     base: Base
     guess: Annotated[str, Quantity("", "1", "the guess that led to it")]
-    distance: Annotated[float, Quantity("", "r0", "distance from the known train")]
+    distance: Annotated[
+        float, Quantity("", "r0", "distance from the known train at the degree of the search")
+    ]
+    velocity_change: Annotated[
+        float, Quantity("", "U", "change of its velocity from the degree of the search")
+    ]
     axisymmetric_rate: Annotated[
         float, Quantity(r"\alpha_0", "U/r0", "largest growth rate of axisymmetric disturbances")
     ]
@@ -82,6 +96,8 @@ class BranchSearch(Record):
     title: ClassVar[str] = "steady trains of the same parameters"
 
     known: Base
+    degree: Annotated[int, Quantity("", "1", "degree of the search")]
+    higher_degree: Annotated[int, Quantity("", "1", "degree at which a found train is one, too")]
     tries: tuple[SearchTry, ...]
     found: tuple[FoundTrain, ...]
 
@@ -94,21 +110,37 @@ class BranchSearch(Record):
     @quantity(Quantity("", "1", "the outcome in words"))
     def statement(self) -> str:
         """The outcome in words."""
-        count = len(self.tries)
+        count, alone = len(self.tries), self.alone
         guesses = len({each.guess for each in self.tries})
         tried = f"{count} {'try' if count == 1 else 'tries'}"
         tried += f" from {guesses} {'guess' if guesses == 1 else 'guesses'}"
+        tried += f" at degree {self.degree}"
+        if alone:
+            tried += f"; {alone} more {'is' if alone == 1 else 'are'} of this degree alone"
         if not self.found:
             return f"no further steady train was found in {tried}"
         number = len(self.found)
         trains = "train was" if number == 1 else "trains were"
         return f"{number} further steady {trains} found in {tried}"
 
+    @property
+    @quantity(Quantity("", "1", "roots that are no train at the higher degree"))
+    def alone(self) -> int:
+        """How many roots belong to the degree of the search alone."""
+        return sum(each.outcome.startswith(ALONE) for each in self.tries)
+
+    @property
+    @quantity(Quantity("", "1", "roots that are the shape of no cell"))
+    def crossed(self) -> int:
+        """How many roots have a meridian that crosses itself."""
+        return sum(each.outcome == CROSSED for each in self.tries)
+
 
 def search_trains(
     known: Base,
     *,
     guesses: Sequence[tuple[str, Profile]] | None = None,
+    degree: int | None = None,
     most_tries: int = MOST_TRIES,
     tries: Tries | None = None,
     progress: Callable[[SearchTry], None] | None = None,
@@ -118,32 +150,47 @@ def search_trains(
     **Arguments:**
 
     - `known`: a steady train; its number of cells matters for the growth rates only.
-    - `guesses`: names and shapes to begin from (see `harmonics.profile`), those of the module if
-      not given.
-    - `most_tries`: bound on the number of tries; each takes up to `tries.most_steps` steps, a step
-      about a tenth of a second at degree 12.
+    - `guesses`: names and shapes to begin from (see `harmonics.profile`), of the degree of the
+      search; those of `guesses` if not given.
+    - `degree`: of the search; unless given the first that serves in such a tube, or the known
+      train's if that is lower. What is found is followed to the known train's degree if that is
+      higher, and to one half as high again if not.
+    - `most_tries`: bound on the number of tries; each takes up to `tries.most_evaluations`, a
+      fiftieth of a second each at degree 12 and up to `MOST_WORK` times that.
     - `progress`: called with every try.
 
-    **Raises:** `CaseError` for a number of tries that is not allowed.
+    **Raises:** `CaseError` for a number of tries or a degree that is not allowed.
     """
     check_tries(most_tries)
     tries = Tries() if tries is None else tries
-    near = known_point(known)
-    first = to_unknowns(known.profile)
+    low = _at_search_degree(known, degree)
+    end = _finer(low.train, known.train)
+    near = known_point(low)
+    first = to_unknowns(low.profile)
     roots, done, found = [first], list[SearchTry](), list[FoundTrain]()
-    for name, profile in first_guesses(known) if guesses is None else guesses:
+    for name, profile in first_guesses(low) if guesses is None else guesses:
         while len(done) < most_tries:
             start = to_unknowns(_with_volume(near.problem, profile))
             each, root = _try(name, start, near, roots, tries)
+            base = each.base
+            if root is not None:
+                roots.append(root)
+            if root is not None and base is not None:
+                there = _followed(base, end, roots)
+                if there is None:
+                    each = replace(each, base=None, outcome=f"{ALONE} {low.train.degree} alone")
+                else:
+                    distance = float(np.linalg.norm(root - first))
+                    found.append(_describe(base, there, name, distance))
+                    each = replace(each, base=there)
             done.append(each)
             if progress is not None:
                 progress(each)
             if root is None:
                 break
-            roots.append(root)
-            if each.base is not None:
-                found.append(_describe(each.base, name, float(np.linalg.norm(root - first))))
-    return BranchSearch(known, tuple(done), tuple(found))
+        if len(done) >= most_tries:
+            break
+    return BranchSearch(known, low.train.degree, end.degree, tuple(done), tuple(found))
 
 
 def check_tries(most_tries: int) -> None:
@@ -155,42 +202,61 @@ def check_tries(most_tries: int) -> None:
         raise CaseError(f"most_tries = {most_tries} is not allowed; allowed: whole numbers >= 1")
 
 
-def first_guesses(known: Base) -> Iterator[tuple[str, Profile]]:
-    """The guesses of the module with their names; trains at other packings as they are needed."""
-    train, profile = known.train, known.profile
-    rest = SteadyProblem(train).rest
-    yield "the resting shape", rest
-    for bend in BENT:
-        bent = rest.copy()
-        # z of P_20 at the pole, less that at the equator, is the bend.
-        bent[0, 2] += bend / (1.5 * math.sqrt(5.0 / (4.0 * math.pi)))
-        yield f"the resting shape bent by {bend:+g} r0", bent
-    yield "the known one pointing the other way", reversed_profile(profile)
-    for factor in PACKINGS:
-        packing = factor * train.packing
-        try:
-            other = steady(train.changed(packing=packing), start=known, estimate_error=False)
-        except (CaseError, NotConverged):
-            continue
-        yield f"the train at packing {packing:.3g}", other.profile
-    random = np.random.default_rng(0)
-    degrees = np.tile(np.arange(1, train.degree), 2)
-    for number, size in enumerate(DISTURBED, 1):
-        amounts = random.normal(size=len(degrees)) * (degrees <= LOWEST)
-        amounts *= size * UNIT_DISPLACEMENT / np.linalg.norm(amounts)
-        disturbed = profile + change_of_profile(amounts)
-        yield f"the known one disturbed by {size:g} r0 (draw {number})", disturbed
+def _at_search_degree(known: Base, degree: int | None) -> Base:
+    """The known train at the degree of the search.
+
+    **Raises:** `CaseError` for a degree that is not allowed, or at which the train is not found.
+    """
+    own = known.train.degree
+    low = min(own, HIGHEST, first_degree(known.train)) if degree is None else degree
+    if low >= DEGREES[-1]:
+        raise CaseError(f"degree = {low} is not allowed; allowed: < {DEGREES[-1]}")
+    if low == own:
+        return known
+    try:
+        return at_degree(known, low)
+    except NotConverged as failure:
+        if degree is None and own < DEGREES[-1]:
+            return known
+        raise CaseError(f"degree = {low} is not allowed: {failure}") from None
 
 
-def reversed_profile(profile: Profile) -> Profile:
-    """The mirror image z -> -z of a shape, front pole to rear pole."""
-    # P_nm(pi - theta) = (-1)^(n + m) P_nm(theta), and z changes its sign.
-    return profile * (-1.0) ** (1 + np.arange(profile.shape[1]))
+def _finer(train: Train, known: Train) -> Train:
+    """The case at the degree to which what is found is followed."""
+    if known.degree > train.degree:
+        return known
+    return _of_degree(
+        known, next((each for each in DEGREES if each >= FINER * train.degree), DEGREES[-1])
+    )
 
 
-def steady_problem(unknowns: Unknowns, near: SteadyPoint) -> Evaluation[SteadyPoint]:
-    """The steady equations of the train of a point nearby."""
-    return evaluate_steady(near.problem, unknowns, near)
+def _followed(base: Base, end: Train, roots: Sequence[Unknowns]) -> Base | None:
+    """The train at a higher degree; None if there is none, or if it is nearer to another root.
+
+    By Newton's method through the degrees between: the flow would leave an unstable train.
+    """
+    lowest, low = SteadyProblem(base.train), base.train.degree
+    problem, moved = lowest, base.profile - lowest.rest
+    found: Iterated | None = None
+    between = (each for each in DEGREES if low < each < end.degree)
+    for train in (*(_of_degree(end, each) for each in between), end):
+        problem = SteadyProblem(train)
+        guess = change_degree(moved, train.degree) + problem.rest
+        found = newton(problem, guess, tolerance=TOLERANCE, most=MOST_CORRECTIONS)
+        if not found.steady:
+            return None
+        moved = found.state.profile - problem.rest
+    back = to_unknowns(change_degree(moved, low) + lowest.rest)
+    apart = [float(np.linalg.norm(back - root)) for root in roots]
+    if found is None or int(np.argmin(apart)) != len(roots) - 1:
+        return None
+    there = describe(problem, found, base.origin)
+    return None if crosses_itself(there.profile) else there
+
+
+def _of_degree(train: Train, degree: int) -> Train:
+    """The same case at another degree, with the sizes of that."""
+    return train.changed(degree=degree, **no_sizes())
 
 
 def _try(
@@ -198,31 +264,35 @@ def _try(
 ) -> tuple[SearchTry, Unknowns | None]:
     """One try; the root that it found, if it is another one."""
     if min(float(np.linalg.norm(start - root)) for root in roots) < SAME:
-        return SearchTry(name, 0, "the guess is a known train", math.nan, None), None
+        return SearchTry(name, 0, 0, "the guess is a known train", math.nan, None), None
+    most = MOST_WORK * known.state.flow.rules.work
+
+    def equations(unknowns: Unknowns, near: SteadyPoint) -> Evaluation[SteadyPoint]:
+        return evaluate_steady(near.problem, unknowns, near, most_work=most)
+
     try:
         # Forces on the wildest shapes are no numbers, which no step takes for a fall.
         with np.errstate(over="ignore", invalid="ignore"):
-            attempt = deflated_newton(steady_problem, start, known, roots, tries)
+            attempt = deflated_newton(equations, start, known, roots, tries)
     except NoSolution as failure:
-        return SearchTry(name, 0, str(failure), math.nan, None), None
+        return SearchTry(name, 0, 1, str(failure), math.nan, None), None
     error = attempt.evaluation.error
+    done = SearchTry(name, attempt.steps, attempt.evaluations, attempt.reason, error, None)
     if not attempt.converged:
-        return SearchTry(name, attempt.steps, attempt.reason, error, None), None
+        return done, None
     root, point = attempt.unknowns, attempt.evaluation.state
     if min(float(np.linalg.norm(root - each)) for each in roots) < SAME:
-        return SearchTry(name, attempt.steps, "came back to a known one", error, None), None
+        return replace(done, outcome="came back to a known one"), None
     if crosses_itself(point.state.profile):
-        return SearchTry(
-            name, attempt.steps, "found a shape that crosses itself", error, None
-        ), root
-    base = point.base("a search by deflation")
-    return SearchTry(name, attempt.steps, "found another train", error, base), root
+        return replace(done, outcome=CROSSED), root
+    base = point.base(f"a search by deflation from {name}")
+    return replace(done, outcome="found another train", base=base), root
 
 
-def _describe(base: Base, guess: str, distance: float) -> FoundTrain:
-    base = replace(base, origin=f"{base.origin} from {guess}")
-    found = stability(base, azimuthal_numbers=[0], estimate_error=False)
-    return FoundTrain(base, guess, distance, found.spectral_abscissa)
+def _describe(base: Base, there: Base, guess: str, distance: float) -> FoundTrain:
+    rates = stability(there, azimuthal_numbers=[0], estimate_error=False)
+    change = abs(there.cell_velocity - base.cell_velocity)
+    return FoundTrain(there, guess, distance, change, rates.spectral_abscissa)
 
 
 def _with_volume(problem: SteadyProblem, profile: Profile) -> Profile:

@@ -55,6 +55,15 @@ class Rules:
         """Whether the cells are far enough apart, and from the wall, to be computed."""
         return max(self.sources, self.image_sources, self.image_half_circle) <= MOST_SOURCES
 
+    @property
+    def work(self) -> float:
+        """What an evaluation takes, roughly, in nodes of the polar rule for each target.
+
+        The wall's waves are about as many as the smooth sources.
+        """
+        images = 2 * self.nearest * self.image_sources * self.image_half_circle
+        return float(self.radial * self.half_circle + images + self.sources**2)
+
     def covers(self, other: "Rules") -> bool:
         """Whether these rules serve where others are asked for, without being twice as fine."""
         return self.tolerance == other.tolerance and all(

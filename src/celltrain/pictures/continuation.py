@@ -1,5 +1,7 @@
 """Branches of steady trains, boundaries of stability, and the trains that a search has found."""
 
+import textwrap
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -18,6 +20,8 @@ from celltrain.pictures.style import (
 
 #: Trains beyond these are counted, not drawn.
 MOST_SHAPES = 7
+# Letters of a title on an inch.
+LETTERS = 12
 EDGES = ("#7A1210", BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, "0.4")
 
 
@@ -90,5 +94,6 @@ def draw_search(search: BranchSearch) -> Figure:
         axes.set_xlabel("$z$ ($r_0$)")
         axes.set_title(f"{name}\n$U_c$ = {base.cell_velocity:.4f} $U$", fontsize=9, loc="left")
     panels[0].set_ylabel("$x$ ($r_0$)")
-    figure.suptitle(search.statement, fontsize=10)
+    width = int(LETTERS * figure.get_figwidth())
+    figure.suptitle(textwrap.fill(search.statement, width), fontsize=10)
     return figure

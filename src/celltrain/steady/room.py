@@ -7,6 +7,12 @@ the smallest root of
     A r/2 - (2/3) pi r^3 = V,    r = 2 s sin(arcsin(3 V/(4 pi s^3))/3),
 
 s = sqrt(A/(4 pi)) the radius of the sphere of that area.
+
+Cells of a period L that do not overlap have L at most of any line along the tube, so V <= L S with
+S the area of the cell's shadow along the tube. That is within the tube, and a closed surface has at
+least twice the area of its shadow:
+
+    packing = 1/L <= min(pi R^2, A/2)/V.
 """
 
 import math
@@ -38,9 +44,14 @@ def check_room(train: Train) -> None:
             f"diameter = {train.tube.diameter:g} is not allowed: a cell of area {area:.3f} r0^2 and"
             f" volume {volume:.3f} r0^3 passes no tube as narrow; allowed: > {least:.4f}"
         )
-    most = math.pi * train.radius**2 / volume
+    section = math.pi * train.radius**2
+    most = min(section, 0.5 * area) / volume
     if train.packing >= most:
+        why = (
+            "the cells would fill more than the tube"
+            if section <= 0.5 * area
+            else f"cells of area {area:.3f} r0^2 and volume {volume:.3f} r0^3 would overlap"
+        )
         raise CaseError(
-            f"packing = {train.packing:g} is not allowed: the cells would fill more than the tube;"
-            f" allowed: > 0 and < {most:.4f}"
+            f"packing = {train.packing:g} is not allowed: {why}; allowed: > 0 and < {most:.4f}"
         )

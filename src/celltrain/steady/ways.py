@@ -88,9 +88,9 @@ class Ways:
             return self._begun(begin, profile)
 
         ways: list[Way] = [(origin, lambda: self._rising(start(), train))]
-        alike = _alike(begin.changed(degree=train.degree, **_no_sizes()), train)
+        alike = _alike(begin.changed(degree=train.degree, **no_sizes()), train)
         if begin.degree != train.degree and not alike:
-            at_degree = begin.changed(degree=train.degree, **_no_sizes())
+            at_degree = begin.changed(degree=train.degree, **no_sizes())
             way = f"{origin}, at degree {train.degree} from the beginning"
             ways.append((way, lambda: self._along(self._raised(start(), at_degree), train)))
         if also_from_rest:
@@ -141,7 +141,7 @@ class Ways:
     def _eased(self, easy: Train, train: Train) -> Followed:
         """An easier case from rest, at the degree at which to begin the way to the other."""
         begin = min(first_degree(train), train.degree)
-        return self._raised(self._marched(easy), easy.changed(degree=begin, **_no_sizes()))
+        return self._raised(self._marched(easy), easy.changed(degree=begin, **no_sizes()))
 
     def _rising(self, begun: Followed, *ends: Train) -> Followed:
         """Along paths of parameters from train to train, at a degree that rises as shapes ask."""
@@ -155,7 +155,7 @@ class Ways:
         while here.complete:
             degree = here.problem.degree
             highest = degree >= end.degree
-            goal = end if degree == end.degree else end.changed(degree=degree, **_no_sizes())
+            goal = end if degree == end.degree else end.changed(degree=degree, **no_sizes())
             found = self._along(here, goal, coarse=not highest)
             if found.complete:
                 return self._raised(found, end)
@@ -167,7 +167,7 @@ class Ways:
                 found = here
             reached = replace(found.iterated, history=history)
             higher = min(next(each for each in DEGREES if each > degree), end.degree)
-            finer = found.problem.train.changed(degree=higher, **_no_sizes())
+            finer = found.problem.train.changed(degree=higher, **no_sizes())
             here = self._raised(Followed(found.problem, reached, True), finer)
         return here
 
@@ -293,10 +293,10 @@ def _degrees_between(begin: Train, end: Train) -> Iterator[Train]:
 
 
 def _at_march_degree(train: Train) -> Train:
-    return train.changed(degree=min(train.degree, MARCH_DEGREE), **_no_sizes())
+    return train.changed(degree=min(train.degree, MARCH_DEGREE), **no_sizes())
 
 
-def _no_sizes() -> dict[str, None]:
+def no_sizes() -> dict[str, None]:
     """Sizes given for one degree are left out at another."""
     names = ("energy_order", "source_order", "target_order", "polar_radial", "polar_azimuthal")
     return dict.fromkeys(names)
