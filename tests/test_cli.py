@@ -57,7 +57,7 @@ def test_cells_that_have_no_room(command, degree, capsys):
     assert "diameter = 1 is not allowed" in printed.err
     assert "allowed: > 1.07" in printed.err
     assert main([command, "--diameter", "6", "--packing", "7", *degree, "--quiet"]) == 2
-    assert "allowed: > 0 and < 6.7" in capsys.readouterr().err
+    assert "would overlap; allowed: > 0 and < 2.01" in capsys.readouterr().err
 
 
 def test_unknown_key_in_a_case_file(tmp_path, capsys):

@@ -158,7 +158,7 @@ def test_a_field_takes_what_a_case_allows_and_tells_the_rest(browser: Chrome, ad
     # A train that is sought for minutes, and in vain, is given up for the next one.
     dense = browser.find_element("id", "field-packing")
     dense.send_keys(Keys.CONTROL, "a")
-    dense.send_keys("3", Keys.ENTER)
+    dense.send_keys("1.9", Keys.ENTER)
     wait_for(browser, "celltrain.explorer.busy", "that it is sought")
     dense.send_keys(Keys.CONTROL, "a")
     dense.send_keys("0.3", Keys.ENTER)
