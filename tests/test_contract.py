@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -120,6 +121,12 @@ def test_every_analysis_is_a_command(capsys: pytest.CaptureFixture[str]) -> None
             continue
         assert (analysis.command or analysis.result.kind) == name
         assert analysis.result.kind in kinds()
+
+
+@pytest.mark.parametrize("name", ["base", "sweep"])
+def test_a_command_without_settings_lists_none(name: str, capsys) -> None:
+    assert main([name, "--help"]) == 0
+    assert re.findall(r"[A-Z]+OPTIONS", capsys.readouterr().out) == []
 
 
 def test_what_is_not_there_is_told() -> None:

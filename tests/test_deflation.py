@@ -32,6 +32,7 @@ from celltrain.meridian.geometry import largest_radius, meridian_points
 from celltrain.proximity.meridian import crosses_itself
 from celltrain.steady.form import form_of
 from celltrain.steady.iterate import Iterated
+from celltrain.steady.path import change_degree
 from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.solve import at_degree
 
@@ -106,7 +107,9 @@ def test_a_try_that_comes_no_nearer_to_a_root_is_given_up() -> None:
     assert attempt.reason == "given up: no nearer to a root within 7 steps"
 
 
-def test_shapes_that_take_too_much_are_passed_by(coarse_base: Base) -> None:
+def test_shapes_that_take_too_much_are_passed_by(
+    coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
     known = known_point(coarse_base)
     wide = 0.98 * coarse_base.train.radius / largest_radius(coarse_base.profile)
     profile = coarse_base.profile * np.array([[1.0], [wide]])
@@ -114,6 +117,11 @@ def test_shapes_that_take_too_much_are_passed_by(coarse_base: Base) -> None:
     assert evaluate_steady(known.problem, unknowns, known, most_work=work).error > 0.0
     with pytest.raises(NoSolution, match="all but touch"):
         evaluate_steady(known.problem, unknowns, known, most_work=work - 1)
+    part = 0.9 * work / known.state.flow.rules.work
+    monkeypatch.setattr("celltrain.continuation.search.MOST_WORK", part)
+    monkeypatch.setattr("celltrain.continuation.search._with_volume", lambda _, profile: profile)
+    search = search_trains(coarse_base, guesses=[("a wide one", profile)])
+    assert "all but touch" in search.tries[0].outcome
 
 
 def test_meridians_of_cells(coarse_base: Base) -> None:
@@ -210,6 +218,16 @@ def test_what_is_a_train_at_a_low_degree_alone_is_counted_apart(
     assert search.tries[0].outcome == "found a train of degree 6 alone"
     assert search.alone == 1
     assert search.statement.endswith("at degree 6; 1 more is of this degree alone")
+
+    def astray(problem: SteadyProblem, profile: np.ndarray, **_: object) -> Iterated:
+        """To the known train instead."""
+        rest = SteadyProblem(coarse_base.train).rest
+        known = change_degree(pretended.profile - rest, problem.degree) + problem.rest
+        return Iterated(problem.state(known), (), "steady")
+
+    monkeypatch.setattr("celltrain.continuation.search.newton", astray)
+    search = search_trains(pretended, guesses=[("a moved one", moved)], most_tries=1)
+    assert (search.found, search.alone) == ((), 1)
 
 
 def test_a_search_at_a_lower_degree(coarse_base: Base) -> None:

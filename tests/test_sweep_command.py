@@ -156,6 +156,8 @@ def test_a_computed_figure_shows_the_other_resolution_beside_it(
     assert main(["paper", "fig3", "--quiet"]) == 0
     assert computed == [12, None]
     assert drawn == [["paper"], ["paper"], ["converged", "paper"]]
+    assert main(["paper", "fig3", "--retry", "--quiet"]) == 0
+    assert computed == [12, None, None]
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@
 Every study writes a page and a figure into docs/validation and states what is expected. Without
 names all of them run but for `breakup`, which takes hours and runs when it is named; `--anew`
 computes also what is kept, but for simulations. As many run at once as there are processors, each
-with one thread. What each took is printed at the end; a study that fails does not stop the others.
+with one thread. What each took is printed as it ends; one that fails does not stop the others.
 """
 
 import argparse
@@ -144,9 +144,6 @@ def main() -> None:
             )
         )
     ended += [_run(name, options, {}) for name in order if name in LAST]
-    for each in ended:
-        word = f"  ended with status {each.status}" if each.status else ""
-        print(f"{each.name:16} {each.minutes:6.1f} minutes, {each.processor_minutes:6.1f}{word}")
     together = sum(each.processor_minutes for each in ended)
     minutes = (time.perf_counter() - begin) / 60.0
     print(f"{'together':16} {minutes:6.1f} minutes, {together:6.1f} of processors")
@@ -154,16 +151,17 @@ def main() -> None:
 
 
 class Ended(NamedTuple):
-    """A study that ran: its exit status, minutes, and minutes of processors."""
+    """The exit status of a study that ran, and its minutes of processors."""
 
-    name: str
     status: int
-    minutes: float
     processor_minutes: float
 
 
 def _run(name: str, options: argparse.Namespace, settings: dict[str, str]) -> Ended:
-    """A study in a process of its own: compiled programs of one would stay in memory."""
+    """A study in a process of its own: compiled programs of one would stay in memory.
+
+    What it took is printed at once: whoever stops the others knows it.
+    """
     begin = time.perf_counter()
     process = subprocess.Popen(
         [sys.executable, __file__, name, "--reference", str(options.reference)],
@@ -172,7 +170,11 @@ def _run(name: str, options: argparse.Namespace, settings: dict[str, str]) -> En
     _, status, used = os.wait4(process.pid, 0)  # with what its own children took
     process.returncode = os.waitstatus_to_exitcode(status)
     minutes = (time.perf_counter() - begin) / 60.0
-    return Ended(name, process.returncode, minutes, (used.ru_utime + used.ru_stime) / 60.0)
+    processor_minutes = (used.ru_utime + used.ru_stime) / 60.0
+    word = f"  ended with status {process.returncode}" if process.returncode else ""
+    took = f"{minutes:6.1f} minutes, {processor_minutes:6.1f} of processors"
+    print(f"{name:16} {took}{word}", flush=True)
+    return Ended(process.returncode, processor_minutes)
 
 
 if __name__ == "__main__":
