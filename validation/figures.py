@@ -55,8 +55,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def study(results: Path | None) -> None:
-    """Draw and check all figures."""
+def study(work: Path, results: Path | None) -> None:
+    """Draw and check all figures; what they take is computed in the folder `work`."""
     page = Page("figures", "The paper's figures")
     page.text(
         f"""
@@ -70,7 +70,8 @@ What follows from all of it is [the page on the paper](../paper.md).
     for name, title in TITLES.items():
         figure = FIGURES[name]
         data = {
-            resolution: _kept(page, name, figure, resolution, results) for resolution in ENDINGS
+            resolution: _kept(page, name, figure, resolution, work, results)
+            for resolution in ENDINGS
         }
         found = {resolution: figure.findings(each) for resolution, each in data.items()}
         path = FOLDER / f"figures-{name}.png"
@@ -84,7 +85,7 @@ What follows from all of it is [the page on the paper](../paper.md).
 
 
 def _kept(
-    page: Page, name: str, figure: PaperFigure, resolution: str, results: Path | None
+    page: Page, name: str, figure: PaperFigure, resolution: str, work: Path, results: Path | None
 ) -> xr.Dataset:
     """The data of a figure: what `--results` has, what is kept, or computed now."""
     path = DATA / f"{figure.study}{ENDINGS[resolution]}.nc"
@@ -96,7 +97,7 @@ def _kept(
         write_dataset(made_with(figure.compute(DEGREES[resolution])), path)
         page.log(f"{name}, {resolution}")
     elif not path.is_file():
-        folder = Path("out") / f"paper-{figure.study}{ENDINGS[resolution]}"
+        folder = work / f"paper-{figure.study}{ENDINGS[resolution]}"
         command = [sys.executable, "-c", "import sys; from celltrain.cli import main; main()"]
         command += ["paper", name, "--resolution", resolution, "-o", str(folder)]
         subprocess.run(command, check=False)

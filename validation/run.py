@@ -1,6 +1,6 @@
 """The numbers that the documentation quotes, computed anew.
 
-    python validation/run.py [STUDY ... | all] [--anew] [--reference FOLDER]
+    python validation/run.py [STUDY ... | all] [--anew] [--reference FOLDER] [--work FOLDER]
     python validation/run.py breakup --simulate NAME
 
 Every study writes a page and a figure into docs/validation and states what is expected. Without
@@ -16,6 +16,7 @@ import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from datetime import datetime
 from pathlib import Path
 from typing import NamedTuple
 
@@ -72,6 +73,12 @@ def main() -> None:
         help="folder with the case of an independent code (default: ../shared/reference)",
     )
     parser.add_argument(
+        "--work",
+        type=Path,
+        help="folder in which long studies keep each case, to go on when killed (default: out; with"
+        " --anew a new folder in it)",
+    )
+    parser.add_argument(
         "--anew",
         action="store_true",
         help="with all: compute also what docs/validation/data keeps, but for simulations",
@@ -93,7 +100,7 @@ def main() -> None:
         "agreement": lambda _: agreement.study(),
         "haematocrit": lambda _: haematocrit.study(),
         "capillaries": lambda _: capillaries.study(),
-        "figures": lambda options: figures.study(options.results),
+        "figures": lambda options: figures.study(options.work, options.results),
         "disputed": lambda _: disputed.study(),
         "double_point": lambda _: double_point.study(),
         "initial_growth": lambda _: initial_growth.study(),
@@ -102,7 +109,7 @@ def main() -> None:
         "transients": lambda options: transients.study(options.march),
         "boundary": lambda _: boundary.study(),
         "capsules": lambda _: capsules.study(),
-        "uncertainty": lambda _: uncertainty.study(),
+        "uncertainty": lambda options: uncertainty.study(options.work),
         # From what the studies above keep.
         "paper": lambda _: paper_page.study(),
         "breakup": lambda options: breakup.study(
@@ -122,6 +129,9 @@ def main() -> None:
         parser.error(f"no such study: {', '.join(unknown)}; there are {', '.join(studies)}")
     if (options.simulate or options.take) and options.studies != ["breakup"]:
         parser.error("--simulate and --take are for the study breakup alone")
+    if options.work is None:
+        begun = f"anew-{datetime.now():%Y-%m-%d-%H%M%S}"
+        options.work = Path("out", begun) if options.anew else Path("out")
     if options.at_once < 1:
         parser.error(f"--at-once = {options.at_once} is not allowed; allowed: a whole number >= 1")
     if options.anew and options.studies:
@@ -164,7 +174,10 @@ def _run(name: str, options: argparse.Namespace, settings: dict[str, str]) -> En
     """
     begin = time.perf_counter()
     process = subprocess.Popen(
-        [sys.executable, __file__, name, "--reference", str(options.reference)],
+        [
+            *(sys.executable, __file__, name),
+            *("--reference", str(options.reference), "--work", str(options.work)),
+        ],
         env=os.environ | settings,
     )
     _, status, used = os.wait4(process.pid, 0)  # with what its own children took

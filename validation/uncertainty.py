@@ -25,8 +25,6 @@ from celltrain.study.sampling.statistics import WithErrors, estimated, sobol_ind
 
 HERE = Path(__file__).resolve().parent
 DATA = HERE.parent / "docs" / "validation" / "data"
-#: Where the trains are kept while they are computed.
-FOLDER = Path("out/uncertainty")
 POINTS = 256
 STUDY: dict[str, Any] = {
     "title": "cells that differ",
@@ -62,14 +60,14 @@ DEGREE = 4
 TRAINS = 10_000
 
 
-def sample(page: Page, content: Mapping[str, Any]) -> xr.Dataset:
-    """All trains; killed, it goes on when run again."""
+def sample(page: Page, content: Mapping[str, Any], folder: Path) -> xr.Dataset:
+    """All trains, kept in the folder: killed, it goes on when run again."""
     study = make_sampled_study(content)
-    FOLDER.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     with local_workers() as workers:
         found = run_sample(
             study,
-            FOLDER.absolute(),
+            folder.absolute(),
             workers.executor,
             workers.slots,
             progress=lambda told: page.log(f"{told.finished} of {told.total}"),
@@ -140,9 +138,10 @@ def linear(study: SampledStudy) -> tuple[np.ndarray, np.ndarray]:
     return squares / variance[:, None], np.sqrt(variance)
 
 
-def study() -> None:
-    page = Page("uncertainty", "Trains of cells that differ")
-    data = page.kept(DATA / "uncertainty.nc", lambda page: sample(page, STUDY))
+def study(work: Path) -> None:
+    """The page; the trains are computed in a folder in `work`."""
+    page, folder = Page("uncertainty", "Trains of cells that differ"), work / "uncertainty"
+    data = page.kept(DATA / "uncertainty.nc", lambda page: sample(page, STUDY, folder))
     case = make_sampled_study(STUDY)
     values = outputs(data)
     total, failed = values[0].size, int(np.isnan(values[0]).sum())
@@ -256,7 +255,7 @@ be parameters that act independently of each other.
     seconds = data["processor_seconds"].values
     each = float(np.nanmean(seconds))
     low_end, high_end = np.nanquantile(seconds, [0.05, 0.95])
-    sizes(page, found)
+    sizes(page, found, folder)
     page.heading("What it costs")
     page.text(
         f"""
@@ -283,9 +282,9 @@ at the degree that alpha to 1 % asks for, measured while other programs shared t
     page.write()
 
 
-def sizes(page: Page, shapes: WithErrors) -> None:
-    """The same for cells of one shape."""
-    data = page.kept(DATA / "uncertainty-sizes.nc", lambda page: sample(page, SIZES))
+def sizes(page: Page, shapes: WithErrors, folder: Path) -> None:
+    """The same for cells of one shape, computed in the folder."""
+    data = page.kept(DATA / "uncertainty-sizes.nc", lambda page: sample(page, SIZES, folder))
     case = make_sampled_study(SIZES)
     values = outputs(data)
     found = estimated(values, indices=True)
