@@ -71,7 +71,15 @@ def test_the_transient_disturbance_follows_the_propagator_through_its_peak(
     analysed, calm: Base
 ) -> None:
     start = analysed(calm, 1.0)
-    run = evolve(start, FastestAtFirst(SMALL), degree=6, until=3.0, every=0.25)
+    # Its first step is short enough for a growth at first.
+    run = evolve(
+        start,
+        FastestAtFirst(SMALL),
+        degree=6,
+        until=3.0,
+        every=0.25,
+        integrator=RungeKuttaChebyshev(),
+    )
     eps, linear = run.frames["eps"], run.frames["eps_linear"]
     peak = int(np.argmax(linear))
     assert 0 < peak < len(linear) - 1

@@ -14,11 +14,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
+from same_runs import assert_same, assert_same_place
 
 from celltrain import Base, CaseError, load, save
 from celltrain.cli import main
 from celltrain.diagnostics import FRAME_QUANTITIES, disturbance_amplitude, frame
 from celltrain.evolution import (
+    Automatic,
     ForwardEuler,
     FromFile,
     RandomDisplacement,
@@ -36,27 +38,6 @@ from celltrain.results import remove_leftovers
 from celltrain.results.replace import beside
 
 DISTURBANCE = RandomDisplacement(0.2, seed=2)
-
-
-def assert_same_place(one: Run, other: Run) -> None:
-    """State and memory of the method are equal to the last bit."""
-    for mine, theirs in ((one.state, other.state), (one.memory, other.memory)):
-        assert type(mine) is type(theirs)
-        for name, value in vars(mine).items():
-            assert_array_equal(value, getattr(theirs, name), err_msg=name)
-
-
-def assert_same(one: Run, other: Run) -> None:
-    """Equal to the last bit, but for the wall time."""
-    assert_same_place(one, other)
-    for name, column in one.history.items():
-        if name != "wall_seconds":
-            assert_array_equal(column, other.history[name], err_msg=name)
-    assert_array_equal(one.times, other.times)
-    assert_array_equal(one.shapes, other.shapes)
-    assert one.frames.keys() == other.frames.keys()
-    for name, column in one.frames.items():
-        assert_array_equal(column, other.frames[name], err_msg=name)
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +116,7 @@ def test_a_file_holds_everything(whole: Run, whole_path: Path) -> None:
     assert_same(Run.load(whole_path), whole)
     again = Run.load(whole_path)
     assert (again.disturbance, again.until, again.every) == (str(DISTURBANCE), 50.0, 0.5)
-    assert again.integrator == RungeKuttaChebyshev()
+    assert again.integrator == Automatic()
     assert again.ending == whole.ending
     assert_array_equal(again.growth_rate, whole.growth_rate)
     assert load(whole_path) == whole
@@ -183,7 +164,12 @@ def test_a_disturbance_from_the_file_of_a_run(whole: Run, whole_path: Path) -> N
 @pytest.mark.usefixtures("whole")
 @pytest.mark.parametrize(
     "missing",
-    ["state_measures_gap", "memory_chebyshevmemory_radius", "start_kind", "repulsion_range"],
+    [
+        "state_measures_gap",
+        "memory_automaticmemory_chebyshev_radius",
+        "start_kind",
+        "repulsion_range",
+    ],
 )
 def test_a_file_of_another_version_says_so(
     whole_path: Path, tmp_path: Path, missing: str, capsys: pytest.CaptureFixture[str]
@@ -285,9 +271,9 @@ def test_reasons_to_stop(single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         return rates(self, shapes) if left[0] > 0 else np.full_like(shapes, np.nan)
 
     monkeypatch.setattr(Dynamics, "rates", broken)
-    for method in (RungeKuttaChebyshev(), ForwardEuler(0.01)):
+    for method in (Automatic(), RungeKuttaChebyshev(), ForwardEuler(0.01)):
         left[0] = 30
-        run = evolve(single, DISTURBANCE, degree=6, until=1.0, every=9.0, integrator=method)
+        run = evolve(single, DISTURBANCE, degree=6, until=50.0, every=99.0, integrator=method)
         assert run.ending.kind == "not_finite"
         assert run.steps > 0
         assert np.isfinite(run.state.shapes).all()

@@ -14,6 +14,7 @@ from celltrain.contract.analysis import WrittenMeanwhile
 from celltrain.contract.status import ComputationFailed, ExitStatus
 from celltrain.contract.tables import case_line, quantities_table
 from celltrain.evolution import (
+    Automatic,
     Disturbance,
     FastestAtFirst,
     ForwardEuler,
@@ -23,7 +24,6 @@ from celltrain.evolution import (
     RandomDisplacement,
     Repulsion,
     Run,
-    RungeKuttaChebyshev,
     StepFailed,
 )
 from celltrain.evolution.checks import check_not_negative, check_positive
@@ -85,7 +85,7 @@ class Simulation(WrittenMeanwhile[Run]):
             "Error of a step relative to the distance from the steady train (1 r0 at most).",
             POSITIVE,
         ),
-    ] = RungeKuttaChebyshev().tolerance
+    ] = Automatic().tolerance
     euler_step: Annotated[
         float | None,
         Setting(
@@ -178,10 +178,10 @@ class Simulation(WrittenMeanwhile[Run]):
     def _disturbance(self) -> Disturbance:
         return parse_disturbance(self.disturbance, self.amplitude)
 
-    def _method(self) -> RungeKuttaChebyshev | ForwardEuler:
+    def _method(self) -> Automatic | ForwardEuler:
         with called(tolerance="step_tolerance", step="euler_step"):
             if self.euler_step is None:
-                return RungeKuttaChebyshev(self.step_tolerance)
+                return Automatic(self.step_tolerance)
             return ForwardEuler(self.euler_step)
 
     def _repulsion(self) -> Repulsion:

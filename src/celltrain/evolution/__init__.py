@@ -17,7 +17,13 @@ from celltrain.evolution.disturbances import (
 from celltrain.evolution.ending import Ending, StepFailed
 from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
-from celltrain.evolution.methods import ForwardEuler, Integrator, RungeKuttaChebyshev
+from celltrain.evolution.methods import (
+    Automatic,
+    ExponentialRungeKutta,
+    ForwardEuler,
+    Integrator,
+    RungeKuttaChebyshev,
+)
 from celltrain.evolution.record.run import Run
 from celltrain.later import imported_later
 
@@ -27,9 +33,11 @@ if TYPE_CHECKING:
     from celltrain.evolution.simulate import evolve, resume
 
 __all__ = [
+    "Automatic",
     "CellsInFlow",
     "Disturbance",
     "Ending",
+    "ExponentialRungeKutta",
     "FastestAtFirst",
     "ForwardEuler",
     "FromFile",

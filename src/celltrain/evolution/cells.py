@@ -152,7 +152,7 @@ def _apart(method: Integrator[Any], dynamics: Dynamics, state: State, memory: An
         met = dynamics.overlaps(step.state.shapes)
         if not met:
             return step
-        shorter = method.shortened(memory, step)
+        shorter = method.shortened(memory, step.manner.size)
         if shorter is None:
             raise StepFailed("overlap", f"at t = {step.state.time:.6g} r0/U {met[0]}")
         memory = shorter

@@ -12,6 +12,7 @@ from jaxtyping import Array, Float, Int
 
 from celltrain.evolution.films.forces import FilmForces, Films, film_forces
 from celltrain.evolution.films.repulsion import Repulsion
+from celltrain.evolution.linear_part import LinearPart
 from celltrain.evolution.state import Measures, Settled, State
 from celltrain.harmonics import (
     UNIT_DISPLACEMENT,
@@ -63,6 +64,7 @@ class Dynamics(eqx.Module):
     surroundings: Surroundings = eqx.field(static=True)
     film_forces: FilmForces = eqx.field(static=True)
     wall_gap: float = eqx.field(static=True)
+    linear_part: LinearPart | None = eqx.field(static=True, default=None)
 
     def rates(self, shapes: Shapes) -> Shapes:
         """ds/dt in the frame of the steady train, in U.
@@ -162,6 +164,7 @@ def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dyna
         surroundings=tube,
         film_forces=film_forces(train.cell, train.sizes, tube, repulsion),
         wall_gap=wall_gap,
+        linear_part=LinearPart(base),
     )
 
 

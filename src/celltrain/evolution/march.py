@@ -142,7 +142,7 @@ class March:
             self._resolve(state)
             step = method.advance(self._dynamics, state, memory)
             met = self._overlap(step.state)
-            shorter = None if met is None else method.shortened(memory, step)
+            shorter = None if met is None else method.shortened(memory, step.manner.size)
             if shorter is not None:
                 # Fluid keeps cells apart: where they meet the step was too long for it.
                 wasted += step.work + Work(rejected=1)

@@ -13,7 +13,7 @@ from celltrain.evolution.ending import Ending, StepFailed
 from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.march import March, SimulationProgress
-from celltrain.evolution.methods import Manner, Method, RungeKuttaChebyshev, Step, Work
+from celltrain.evolution.methods import Automatic, Manner, Method, Step, Work
 from celltrain.evolution.record.archive import SAVE_SECONDS, Archive
 from celltrain.evolution.record.frames import SAME_TIME
 from celltrain.evolution.record.quantities import STEP_QUANTITIES
@@ -56,7 +56,7 @@ def evolve(
       those of the steady ones, which changes the size of a large disturbance a little.
     - `until`, `every`: last time, and time between frames, in r0/U. Frames lie within steps and do
       not change them.
-    - `integrator`: `RungeKuttaChebyshev()` unless given.
+    - `integrator`: `Automatic()` unless given.
     - `repulsion`: what keeps membranes apart in thin films, `Repulsion()` unless given;
       `Repulsion(range=0)` for none.
     - `path`: netCDF-4 file that holds the simulation at every moment; see `resume`.
@@ -92,7 +92,7 @@ def evolve(
         dynamics = train_dynamics(base, film, wall_gap=LARGEST)
         train = base.train
         _check_steady(dynamics, film)
-        method = RungeKuttaChebyshev() if integrator is None else integrator
+        method = Automatic() if integrator is None else integrator
         shapes = place_cells(base.coefficients, train, train.cells) + change
         settled = dynamics.settle(shapes)
         met = dynamics.overlaps(settled.shapes)

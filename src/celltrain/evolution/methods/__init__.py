@@ -2,19 +2,25 @@
 
 from typing import TypeAlias
 
+from celltrain.evolution.methods.automatic import Automatic, AutomaticMemory
 from celltrain.evolution.methods.euler import EulerMemory, ForwardEuler
+from celltrain.evolution.methods.exponential import ExponentialMemory, ExponentialRungeKutta
 from celltrain.evolution.methods.integrator import Integrator, Manner, Step, Work
 from celltrain.evolution.methods.runge_kutta_chebyshev import ChebyshevMemory, RungeKuttaChebyshev
 
 #: What a method may remember.
-Memory: TypeAlias = ChebyshevMemory | EulerMemory
+Memory: TypeAlias = AutomaticMemory | ExponentialMemory | ChebyshevMemory | EulerMemory
 
 #: What there is to march with.
-Method: TypeAlias = RungeKuttaChebyshev | ForwardEuler
+Method: TypeAlias = Automatic | ExponentialRungeKutta | RungeKuttaChebyshev | ForwardEuler
 
 __all__ = [
+    "Automatic",
+    "AutomaticMemory",
     "ChebyshevMemory",
     "EulerMemory",
+    "ExponentialMemory",
+    "ExponentialRungeKutta",
     "ForwardEuler",
     "Integrator",
     "Manner",

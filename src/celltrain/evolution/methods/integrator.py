@@ -7,6 +7,7 @@ from typing import Annotated, Generic, Protocol, TypeVar, runtime_checkable
 import numpy as np
 from jaxtyping import Int
 
+from celltrain.evolution.linear_part import LinearPart
 from celltrain.evolution.state import State
 from celltrain.harmonics import Shapes
 from celltrain.quantities import Quantity
@@ -58,6 +59,10 @@ class Step(Generic[MemoryT]):
 class CellDynamics(Protocol):
     """What a method needs of the dynamics of cells (`evolution.dynamics.Dynamics`, in JAX)."""
 
+    @property
+    def linear_part(self) -> LinearPart | None:
+        """The linear dynamics about the steady train, None where there is none."""
+
     def rates(self, shapes: Shapes) -> Shapes:
         """ds/dt of shapes within one period, in U."""
 
@@ -97,9 +102,9 @@ class Integrator(abc.ABC, Generic[MemoryT]):
         """Whether a step after which cells overlap may be tried again, shorter."""
         return False
 
-    def shortened(self, memory: MemoryT, step: Step[MemoryT]) -> MemoryT | None:
+    def shortened(self, memory: MemoryT, size: float) -> MemoryT | None:
         """The memory to try again with, if a step led where none may; None: it is the end.
 
-        **Arguments:** `memory`: the one before the step.
+        **Arguments:** `memory`: the one before the step; `size`: of that step (r0/U).
         """
         return None

@@ -15,6 +15,15 @@ from celltrain.evolution.methods.chebyshev import (
     largest_stable_step,
     stage_count,
 )
+from celltrain.evolution.methods.control import (
+    OVERLAP_FACTOR,
+    SMALLEST_ERROR,
+    SMALLEST_RETRY,
+    SMALLEST_STEP,
+    allowed_error,
+    rejection_factor,
+    step_factor,
+)
 from celltrain.evolution.methods.integrator import CellDynamics, Integrator, Manner, Step, Work
 from celltrain.evolution.methods.radius import spectral_radius
 from celltrain.evolution.state import State
@@ -25,21 +34,6 @@ from celltrain.quantities import Quantity
 # which comes from below.
 RADIUS_STEPS = 25
 RADIUS_MARGIN = 1.2
-# Distance from the steady train (r0) below and above which errors are measured by these.
-SMALLEST_SCALE = 1e-6
-LARGEST_SCALE = 1.0
-# Largest error of a step over the thinnest film within the range of the repulsion.
-GAP_SHARE = 0.1
-# The next step: this part of what the error allows, between these factors of the last one.
-SAFETY = 0.8
-LEAST_FACTOR = 0.1
-LARGEST_FACTOR = 10.0
-# Relative errors below this are taken as this: they say nothing about how errors grow.
-SMALLEST_ERROR = 1e-4
-SMALLEST_STEP = 1e-6
-# A step after which cells overlap is tried again with this part of it, down to a smallest one.
-OVERLAP_FACTOR = 0.25
-SMALLEST_RETRY = 1e-4
 
 
 @dataclass(frozen=True)
@@ -102,9 +96,7 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
     ) -> Step[ChebyshevMemory]:
         """One accepted step, after as many rejected ones as it takes."""
         begin = dynamics.continuous(state.shapes, state.laps)
-        distance = dynamics.departure(begin)
-        allowed = self.tolerance * min(max(distance, SMALLEST_SCALE), LARGEST_SCALE)
-        allowed = min(allowed, GAP_SHARE * state.measures.gap)
+        allowed = allowed_error(dynamics, state, begin, self.tolerance)
         work = Work()
         while True:
             memory, evaluations = self._with_radius(dynamics, state, memory)
@@ -123,9 +115,10 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
                 break
             memory = self._after_rejection(memory, step, relative)
             work += Work(rejected=1)
+        factor = step_factor(step, relative, memory.last_step, memory.last_error)
         following = replace(
             memory,
-            step=min(step * _factor(memory, step, relative), self.largest_step),
+            step=min(step * factor, self.largest_step),
             last_step=step,
             last_error=max(relative, SMALLEST_ERROR),
             radius_age=memory.radius_age + 1,
@@ -137,12 +130,10 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
         """See `Integrator`."""
         return True
 
-    def shortened(
-        self, memory: ChebyshevMemory, step: Step[ChebyshevMemory]
-    ) -> ChebyshevMemory | None:
+    def shortened(self, memory: ChebyshevMemory, size: float) -> ChebyshevMemory | None:
         """See `Integrator`."""
-        size = OVERLAP_FACTOR * step.manner.size
-        return None if size < SMALLEST_RETRY else replace(memory, step=size)
+        shorter = OVERLAP_FACTOR * size
+        return None if shorter < SMALLEST_RETRY else replace(memory, step=shorter)
 
     def _with_radius(
         self, dynamics: CellDynamics, state: State, memory: ChebyshevMemory
@@ -171,7 +162,7 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
     ) -> ChebyshevMemory:
         """The memory to try again with, after a step whose error was too large or NaN."""
         finite = math.isfinite(relative)
-        factor = max(SAFETY * relative ** (-1.0 / 3.0), LEAST_FACTOR) if finite else LEAST_FACTOR
+        factor = rejection_factor(relative)
         if step * factor < SMALLEST_STEP:
             if not finite:
                 raise StepFailed("not_finite", "shapes or velocities have become NaN")
@@ -182,13 +173,3 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
         # A radius that is not of this very state may have been too small.
         age = RADIUS_STEPS if memory.radius_age > 0 else 0
         return replace(memory, step=step * factor, radius_age=age)
-
-
-def _factor(memory: ChebyshevMemory, step: float, relative: float) -> float:
-    """The next step over this one, from the errors of this one and the one before."""
-    error = max(relative, SMALLEST_ERROR)
-    factor = SAFETY * error ** (-1.0 / 3.0)
-    if memory.last_step > 0.0:
-        predicted = SAFETY * step / memory.last_step * memory.last_error ** (1.0 / 3.0)
-        factor = min(factor, predicted * error ** (-2.0 / 3.0))
-    return min(max(factor, LEAST_FACTOR), LARGEST_FACTOR)

@@ -1,0 +1,155 @@
+"""The linear dynamics of a train as the linear part of its motion, wherever its cells have turned.
+
+Near a steady train shapes move by ds/dt = f(s) with f(s + d) = f(s) + L d and little else, L d =
+R A R^T d: A of the linear dynamics about the steady train (`stability.linear_blocks`), and R the
+turn of each cell from where it is in that train. Membranes are elastic and cells turn as a whole,
+so that what is fast in f stays in L wherever they are.
+
+Exponential methods take the functions
+
+    phi_1(z) = (exp z - 1)/z,   phi_2(z) = (exp z - 1 - z)/z^2
+
+of z = h L, here by their Taylor series of a small z and
+
+    phi_1(2 z) = phi_1(z) (exp z + 1)/2,   phi_2(2 z) = (phi_1(z)^2 + 2 phi_2(z))/4,
+
+(Skaflestad & Wright 2009) on each block A_m(q) alone.
+"""
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from celltrain.evolution.linear import turned_family
+from celltrain.harmonics import Shapes, azimuthal_basis
+from celltrain.membrane import place_cells
+from celltrain.stability.linearise import linear_blocks
+from celltrain.steady import Base
+
+# Norm of z up to which the Taylor series is taken, and its terms: the next one is below rounding.
+SMALL, TERMS = 0.5, 14
+# Steps are of these powers of two, a half apart: functions of few steps are needed, and of one
+# step they follow from those of its half.
+PER_OCTAVE = 2
+# Steps whose functions are kept.
+KEPT = 3
+
+Blocks = Complex[np.ndarray, "wave _ _"]
+Turns = Float[np.ndarray, "cell 3 3"]
+
+
+class LinearPart:
+    """L of a steady train; made when it is first needed."""
+
+    def __init__(self, base: Base) -> None:
+        self._base = base
+        self._functions: dict[int, tuple[list[Blocks], list[Blocks]]] = {}
+
+    def turns(self, shapes: Shapes) -> Turns:
+        """The rotation that brings each cell of the steady train nearest to how it is."""
+        covariance = np.einsum("cik,cjk->cij", shapes[..., 1:], self._steady[..., 1:])
+        left, _, right = np.linalg.svd(covariance)
+        left[..., -1] *= np.linalg.det(left @ right)[:, None]
+        return left @ right
+
+    def applied(self, turns: Turns, change: Shapes) -> Shapes:
+        """L d."""
+        return self._by_blocks(self._blocks, turns, change)
+
+    def phi_1(self, level: int, turns: Turns, change: Shapes) -> Shapes:
+        """The first function of h L, of the step of a level (see `step_of`), times d."""
+        return self._by_blocks(self._of_level(level)[0], turns, change)
+
+    def phi_2(self, level: int, turns: Turns, change: Shapes) -> Shapes:
+        """The second function of h L, of the step of a level (see `step_of`), times d."""
+        return self._by_blocks(self._of_level(level)[1], turns, change)
+
+    def _by_blocks(self, blocks: Sequence[Blocks], turns: Turns, change: Shapes) -> Shapes:
+        cells = len(change)
+        body = np.einsum("cji,cjk->cik", turns, change).reshape(cells, -1)
+        waves = np.fft.rfft(body @ self._families.T, axis=0)
+        moved = np.empty_like(waves)
+        first = 0
+        for block, copies in zip(blocks, self._copies, strict=True):
+            size = block.shape[-1]
+            for _ in range(copies):
+                part = slice(first, first + size)
+                moved[:, part] = np.einsum("juv,jv->ju", block, waves[:, part])
+                first += size
+        back = np.fft.irfft(moved, n=cells, axis=0) @ self._families
+        return np.einsum("cij,cjk->cik", turns, back.reshape(change.shape))
+
+    @cached_property
+    def _steady(self) -> Shapes:
+        return place_cells(self._base.coefficients, self._base.train, self._base.train.cells)
+
+    @cached_property
+    def _bases(self) -> list[Float[np.ndarray, "member 3 coefficient"]]:
+        degree = self._base.train.degree
+        found = (azimuthal_basis(degree, m) for m in range(degree + 1))
+        return [each for each in found if each.size]
+
+    @cached_property
+    def _families(self) -> Float[np.ndarray, "member value"]:
+        """All disturbances of one cell, one after the other azimuthal number, an orthonormal set.
+
+        Of m > 0 those with z ~ cos(m phi), and after them those with z ~ sin(m phi), whose blocks
+        are the same.
+        """
+        both = []
+        for m, basis in enumerate(self._bases):
+            both += [basis] if m == 0 else [basis, turned_family(basis, m)]
+        members = np.concatenate(both)
+        return members.reshape(len(members), -1)
+
+    @cached_property
+    def _copies(self) -> list[int]:
+        return [1 if m == 0 else 2 for m in range(len(self._bases))]
+
+    @cached_property
+    def _blocks(self) -> list[Blocks]:
+        cells = self._base.train.cells
+        phases = 2.0 * np.pi * np.arange(cells // 2 + 1) / cells
+        found = linear_blocks(self._base, phases, range(len(self._bases)))
+        return [found[m] for m in range(len(self._bases))]
+
+    def _of_level(self, level: int) -> tuple[list[Blocks], list[Blocks]]:
+        if level not in self._functions:
+            while len(self._functions) >= KEPT:
+                del self._functions[next(iter(self._functions))]
+            step = step_of(level)
+            pairs = [_functions(step * each) for each in self._blocks]
+            self._functions[level] = [each[0] for each in pairs], [each[1] for each in pairs]
+        return self._functions[level]
+
+
+def step_of(level: int) -> float:
+    """The step of a level, 2^(level/2) r0/U."""
+    return float(2.0 ** (level / PER_OCTAVE))
+
+
+def level_of(step: float) -> int:
+    """The level of the longest step up to this one (to rounding)."""
+    return math.floor(PER_OCTAVE * math.log2(step) + 1e-9)
+
+
+def _functions(z: Blocks) -> tuple[Blocks, Blocks]:
+    """phi_1(z) and phi_2(z)."""
+    largest = float(np.abs(z).sum(axis=-1).max())
+    doublings = max(0, math.ceil(math.log2(largest / SMALL))) if largest > 0.0 else 0
+    z = z / 2.0**doublings
+    one = np.broadcast_to(np.eye(z.shape[-1], dtype=complex), z.shape)
+    # phi_2 = 1/2 + z/6 + z^2/24 + ..., by Horner's rule.
+    second = one / math.factorial(TERMS + 2)
+    for power in range(TERMS - 1, -1, -1):
+        second = one / math.factorial(power + 2) + z @ second
+    first = one + z @ second
+    for _ in range(doublings):
+        exponential = one + z @ first
+        second = 0.25 * (first @ first + 2.0 * second)
+        first = 0.5 * first @ (exponential + one)
+        z = 2.0 * z
+    return first, second

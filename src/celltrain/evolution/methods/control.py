@@ -1,0 +1,51 @@
+"""Which errors methods of second order allow, and how their steps follow them."""
+
+import math
+
+from celltrain.evolution.methods.integrator import CellDynamics
+from celltrain.evolution.state import State
+from celltrain.harmonics import Shapes
+
+# Distance from the steady train (r0) below and above which errors are measured by these.
+SMALLEST_SCALE = 1e-6
+LARGEST_SCALE = 1.0
+# Largest error of a step over the thinnest film within the range of the repulsion.
+GAP_SHARE = 0.1
+# The next step: this part of what the error allows, between these factors of the last one.
+SAFETY = 0.8
+LEAST_FACTOR = 0.1
+LARGEST_FACTOR = 10.0
+#: Relative errors below this are taken as this: they say nothing about how errors grow.
+SMALLEST_ERROR = 1e-4
+#: The smallest step, r0/U.
+SMALLEST_STEP = 1e-6
+#: A step after which cells overlap is tried again with this part of it, down to a smallest one.
+OVERLAP_FACTOR = 0.25
+SMALLEST_RETRY = 1e-4
+
+
+def allowed_error(dynamics: CellDynamics, state: State, shapes: Shapes, tolerance: float) -> float:
+    """The displacement, in r0, that a step from a state may be wrong by; `shapes`: continuous."""
+    distance = dynamics.departure(shapes)
+    allowed = tolerance * min(max(distance, SMALLEST_SCALE), LARGEST_SCALE)
+    return float(min(allowed, GAP_SHARE * state.measures.gap))
+
+
+def step_factor(step: float, error: float, last_step: float, last_error: float) -> float:
+    """The next step over this one, from the relative errors of this one and the one before.
+
+    **Arguments:** `last_step`: 0 if there was none.
+    """
+    error = max(error, SMALLEST_ERROR)
+    factor = SAFETY * error ** (-1.0 / 3.0)
+    if last_step > 0.0:
+        predicted = SAFETY * step / last_step * last_error ** (1.0 / 3.0)
+        factor = min(factor, predicted * error ** (-2.0 / 3.0))
+    return min(max(factor, LEAST_FACTOR), LARGEST_FACTOR)
+
+
+def rejection_factor(error: float) -> float:
+    """The step to try again with over one whose relative error was too large or NaN."""
+    if not math.isfinite(error):
+        return LEAST_FACTOR
+    return max(SAFETY * error ** (-1.0 / 3.0), LEAST_FACTOR)

@@ -1,0 +1,223 @@
+"""The exponential method: its functions of matrices, its linear part, its steps, and the choice."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg
+from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
+
+from celltrain.evolution import (
+    Automatic,
+    ExponentialRungeKutta,
+    Leading,
+    RandomDisplacement,
+    Repulsion,
+    RungeKuttaChebyshev,
+    StepFailed,
+    evolve,
+)
+from celltrain.evolution.dynamics import Dynamics, train_dynamics
+from celltrain.evolution.linear_part import LinearPart, _functions, level_of, step_of
+from celltrain.evolution.methods import AutomaticMemory, ExponentialMemory, Manner, Step, Work
+from celltrain.evolution.methods.automatic import AGAIN, COUNTED, _counted
+from celltrain.evolution.state import State
+from celltrain.harmonics import displaced
+from celltrain.parameters import CaseError
+from celltrain.stability import Stability
+from celltrain.steady import Base
+
+
+@pytest.fixture(scope="module")
+def dynamics(coarse_base: Base) -> Dynamics:
+    return train_dynamics(coarse_base, Repulsion(), wall_gap=0.8)
+
+
+@pytest.fixture(scope="module")
+def linear(dynamics: Dynamics) -> LinearPart:
+    assert dynamics.linear_part is not None
+    return dynamics.linear_part
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.4, 30.0, 3000.0])
+def test_functions_of_matrices(size: float) -> None:
+    random = np.random.default_rng(4)
+    part = random.normal(size=(2, 6, 6)) + 1j * random.normal(size=(2, 6, 6))
+    # Decaying, as a stiff membrane, and with a direction in which nothing happens.
+    z = -size * part @ part.conj().transpose(0, 2, 1) / 36.0
+    z[:, :, 0] = 0.0
+    first, second = _functions(z)
+    for each, one, two in zip(z, first, second, strict=True):
+        augmented = np.zeros((18, 18), complex)
+        augmented[:6, :6] = each
+        augmented[:12, 6:] = np.eye(12)
+        exact = scipy.linalg.expm(augmented)[:6]
+        assert_allclose(one, exact[:, 6:12], atol=1e-12)
+        assert_allclose(two, exact[:, 12:], atol=1e-12)
+
+
+def test_steps_are_powers_of_the_root_of_two() -> None:
+    assert [step_of(level) for level in (-4, 0, 2, 6)] == [0.25, 1.0, 2.0, 8.0]
+    for level in range(-30, 10):
+        assert level_of(step_of(level)) == level
+        assert level_of(1.4 * step_of(level)) == level
+
+
+def test_the_linear_part_is_the_derivative_of_the_rates(
+    dynamics: Dynamics, linear: LinearPart
+) -> None:
+    base = np.asarray(dynamics.base)
+    change = np.zeros_like(base)
+    # All wave numbers, azimuthal numbers 0 to 3 in both families.
+    change[:, :, :9] = np.random.default_rng(1).normal(size=(3, 3, 9))
+    step = 1e-4
+    difference = (dynamics.rates(base + step * change) - dynamics.rates(base - step * change)) / (
+        2.0 * step
+    )
+    turns = linear.turns(base)
+    assert_allclose(turns, np.broadcast_to(np.eye(3), (3, 3, 3)), atol=1e-12)
+    found = linear.applied(turns, change)
+    assert np.abs(difference - found).max() < 2e-3 * np.abs(found).max()
+
+
+def test_the_linear_part_turns_with_the_cells(dynamics: Dynamics, linear: LinearPart) -> None:
+    base = np.asarray(dynamics.base)
+    rotations = Rotation.random(3, random_state=5).as_matrix()
+    turned = displaced(np.einsum("cij,cjk->cik", rotations, base), np.ones((3, 3)))
+    turns = linear.turns(turned)
+    assert_allclose(turns, rotations, atol=1e-12)
+    change = np.random.default_rng(2).normal(size=base.shape)
+    still = linear.turns(base)
+    level = -3
+    for function in (
+        linear.applied,
+        lambda turns, change: linear.phi_1(level, turns, change),
+        lambda turns, change: linear.phi_2(level, turns, change),
+    ):
+        moved = function(turns, np.einsum("cij,cjk->cik", rotations, change))
+        assert_allclose(
+            moved, np.einsum("cij,cjk->cik", rotations, function(still, change)), atol=1e-11
+        )
+
+
+def test_of_a_small_disturbance_a_long_step_is_exact(coarse_stability: Stability) -> None:
+    """A step of 8 r0/U, two hundred times what Euler's method may take."""
+    small = 1e-6
+    dynamics = train_dynamics(coarse_stability.base, Repulsion(), wall_gap=0.8)
+    begin = dynamics.state(0.0, np.asarray(dynamics.base) + Leading(small).shapes(coarse_stability))
+    method = ExponentialRungeKutta()
+    step = method.advance(dynamics, begin, replace(method.begin(begin), step=8.0))
+    assert step.manner.size == 8.0
+    assert step.work == Work(rejected=0, evaluations=2)
+    growth = step.state.measures.eps / begin.measures.eps
+    assert_allclose(growth, np.exp(8.0 * coarse_stability.leading.growth_rate), rtol=1e-3)
+
+
+def test_order_of_the_method_on_a_train(coarse_base: Base) -> None:
+    single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
+    settings = {"degree": 6, "until": 1.0, "every": 1.0}
+    disturbance = RandomDisplacement(0.3, seed=1)
+    exact = evolve(single, disturbance, integrator=RungeKuttaChebyshev(1e-6), **settings)
+    errors = []
+    for level in (-2, -4, -6):
+        method = ExponentialRungeKutta(tolerance=1e3, largest_step=step_of(level))
+        run = evolve(single, disturbance, integrator=method, **settings)
+        errors.append(float(np.abs(run.shapes[-1] - exact.shapes[-1]).max()))
+    assert errors[-1] > 1e-8
+    assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 2.0, atol=0.5)
+
+
+def test_estimated_errors_are_near_the_true_ones(coarse_base: Base) -> None:
+    single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
+    dynamics = train_dynamics(single, Repulsion(), wall_gap=0.8)
+    method = ExponentialRungeKutta()
+    shapes = np.asarray(dynamics.base) + RandomDisplacement(0.3, seed=1).shapes(single)
+    state = dynamics.state(0.0, shapes)
+    memory = method.begin(state)
+    ratios = []
+    for _ in range(8):
+        step = method.advance(dynamics, state, memory)
+        exact, small = state, 16
+        for _ in range(small):
+            fine = replace(method.begin(exact), step=step.manner.size / small)
+            fixed = ExponentialRungeKutta(1e3, largest_step=step.manner.size / small)
+            exact = fixed.advance(dynamics, exact, fine).state
+        assert exact.time == pytest.approx(step.state.time, rel=1e-12)
+        wrong = dynamics.displacement(step.state.shapes - exact.shapes)
+        ratios.append(step.manner.error / wrong)
+        state, memory = step.state, step.memory
+    assert 0.3 < np.median(ratios) < 30.0
+    assert min(ratios) > 0.1
+
+
+def test_it_takes_few_evaluations_to_the_same_end(coarse_stability: Stability) -> None:
+    settings = {"degree": 6, "until": 20.0, "every": 20.0}
+    exponential, stabilised = (
+        evolve(coarse_stability, Leading(0.02), integrator=method, **settings)
+        for method in (ExponentialRungeKutta(), RungeKuttaChebyshev())
+    )
+    assert exponential.work.evaluations < stabilised.work.evaluations / 2
+    assert_allclose(exponential.frames["eps"], stabilised.frames["eps"], rtol=2e-3)
+
+
+def test_cells_without_a_train_are_refused(dynamics: Dynamics) -> None:
+    state = dynamics.state(0.0, np.asarray(dynamics.base))
+    method = ExponentialRungeKutta()
+    with pytest.raises(CaseError, match="allowed: RungeKuttaChebyshev"):
+        method.advance(replace(dynamics, linear_part=None), state, method.begin(state))
+
+
+@pytest.mark.parametrize("method", [ExponentialRungeKutta, Automatic])
+@pytest.mark.parametrize("name", ["tolerance", "largest_step"])
+def test_settings(method: Callable[..., object], name: str) -> None:
+    with pytest.raises(CaseError, match=rf"{name} = -1"):
+        method(**{name: -1.0})
+
+
+def taken(memory: Any, state: State, evaluations: int, size: float) -> Step[Any]:
+    """A step that nobody took."""
+    return Step(state, memory, Manner(size, 2, 0.0, 1.0), Work(evaluations=evaluations))
+
+
+def test_the_cheaper_method_goes_on(dynamics: Dynamics) -> None:
+    state = dynamics.state(0.0, np.asarray(dynamics.base))
+
+    def after(memory: AutomaticMemory, evaluations: int, size: float) -> AutomaticMemory:
+        for _ in range(COUNTED):
+            memory = _counted(taken(memory.exponential, state, evaluations, size), memory).memory
+        return memory
+
+    begin = Automatic().begin(state)
+    assert not begin.stabilised
+    cheap = after(begin, 2, 1.0)
+    assert (cheap.stabilised, cheap.spent) == (False, 2 * COUNTED)
+    dear = after(cheap, 2, 0.1)
+    assert (dear.stabilised, dear.other_cost) == (True, pytest.approx(20.0))
+    assert dear.other_evaluations == 2 * COUNTED
+    # Cheaper than that, until the other one is tried again, and left again at once.
+    memory, rounds = dear, 0
+    while memory.stabilised:
+        memory, rounds = after(memory, 16, 2.0), rounds + 1
+    assert rounds == AGAIN * 2 * COUNTED // (16 * COUNTED) + 1
+    assert memory.other_cost == pytest.approx(8.0)
+    again = after(memory, 2, 0.1)
+    assert again.stabilised
+    assert after(again, 16, 0.5).stabilised is False
+
+
+def test_where_exponential_steps_fail_stabilised_ones_go_on(
+    coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def failing(*_: object) -> Step[ExponentialMemory]:
+        raise StepFailed("step_too_small", "never")
+
+    monkeypatch.setattr(ExponentialRungeKutta, "advance", failing)
+    single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
+    run = evolve(single, RandomDisplacement(0.1), degree=6, until=0.2, every=0.2)
+    assert run.ending.kind == "complete"
+    assert isinstance(run.memory, AutomaticMemory)
+    assert run.memory.stabilised
+    assert np.isfinite(run.history["radius"][1:]).all()
