@@ -57,11 +57,11 @@ paper](../README.md#units-and-two-inconsistencies-of-the-paper), U*/r0 with U* =
     page.text(
         """
 `celltrain paper FIGURE` computes and draws a figure converged, `--resolution paper` at M = 12;
-where both have been computed the picture shows both. They take minutes on two cores, but for Figs.
-16 and 19 converged, which take long where dense trains in strong flow and the fullest cells are
-sought: those were not run to the end here, and their converged growth rates are those of [growth
-rates over the degree](validation/disputed.md). What is simulated takes hours, and has a command of
-its own.
+where both have been computed the picture shows both. They take minutes on two cores, Fig. 16
+converged a third of an hour, for dense trains in strong flow; [growth rates over the
+degree](validation/disputed.md) has more degrees. What is simulated takes hours, and has a command
+of its own. All pages together but simulations, from nothing, take less than [two
+hours](validation.md).
 """
     )
     page.table(("paper", "what", "page", "command"), [_row(*each) for each in FIGURES])
