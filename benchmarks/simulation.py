@@ -37,7 +37,7 @@ from celltrain.evolution import (
 )
 from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.methods import ChebyshevMemory, EulerMemory, ExponentialMemory, Memory
-from celltrain.evolution.record.interpolation import interpolated
+from celltrain.evolution.record.frames import shapes_within
 from celltrain.evolution.state import State
 
 RESULTS = Path(__file__).resolve().parent / "simulation.csv"
@@ -92,12 +92,10 @@ def march(
         step = method.advance(dynamics, state, memory)
         after, memory = step.state, step.memory
         evaluations += step.work.evaluations
-        behind = dynamics.continuous(after.shapes, after.laps)
-        ends = (state.time, shapes, state.rates), (after.time, behind, after.rates)
         for at in np.linspace(state.time, after.time, dense + 1)[1:]:
             times.append(float(at - begin.time))
-            eps.append(size(dynamics, interpolated(float(at), *ends)))
-        state, shapes = after, behind
+            eps.append(size(dynamics, shapes_within(dynamics, state, step, float(at))))
+        state = after
     seconds = time.perf_counter() - started
     return March(np.array(times), np.array(eps), seconds, evaluations, peak_mib())
 

@@ -12,23 +12,28 @@ from scipy.spatial.transform import Rotation
 
 from celltrain.evolution import (
     Automatic,
+    CellsInFlow,
     ExponentialRungeKutta,
+    FastestAtFirst,
     Leading,
     RandomDisplacement,
     Repulsion,
     RungeKuttaChebyshev,
     StepFailed,
     evolve,
+    follow,
 )
 from celltrain.evolution.dynamics import Dynamics, train_dynamics
 from celltrain.evolution.linear_part import LinearPart, _functions, level_of, step_of
 from celltrain.evolution.methods import AutomaticMemory, ExponentialMemory, Manner, Step, Work
 from celltrain.evolution.methods.automatic import AGAIN, COUNTED, _counted
+from celltrain.evolution.methods.runge_kutta_chebyshev import RADIUS_STEPS
 from celltrain.evolution.state import State
 from celltrain.harmonics import displaced
-from celltrain.parameters import CaseError
+from celltrain.parameters import CaseError, Resolution
 from celltrain.stability import Stability
 from celltrain.steady import Base
+from celltrain.surroundings import simple_shear
 
 
 @pytest.fixture(scope="module")
@@ -163,6 +168,60 @@ def test_it_takes_few_evaluations_to_the_same_end(coarse_stability: Stability) -
     assert_allclose(exponential.frames["eps"], stabilised.frames["eps"], rtol=2e-3)
 
 
+def test_frames_within_steps_follow_the_linear_dynamics(coarse_stability: Stability) -> None:
+    """However fast it is: what a disturbance at random holds decays at up to 20 U/r0 and less."""
+    fast = FastestAtFirst(1e-4)
+    run = evolve(coarse_stability, fast, degree=6, until=4.0, every=0.05)
+    assert run.history["size"].max() > 10 * 0.05
+    assert np.isnan(run.history["radius"]).all()
+    assert_allclose(run.frames["eps"], run.frames["eps_linear"], rtol=3e-3)
+
+
+def test_steps_that_fail_and_steps_that_lead_nowhere_end_a_run(
+    coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Exponential steps fail, and after stabilised ones cells overlap: shorter ones are tried."""
+    single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
+
+    def failing(*_: object) -> Step[ExponentialMemory]:
+        raise StepFailed("step_too_small", "never", rejected=3, evaluations=5)
+
+    monkeypatch.setattr(ExponentialRungeKutta, "advance", failing)
+    calls = []
+
+    def overlaps(self: Dynamics, shapes: np.ndarray) -> list[str]:
+        calls.append(shapes)
+        return ["cell 0 and cell 1 overlap"] if len(calls) > 2 else []
+
+    monkeypatch.setattr(Dynamics, "overlaps", overlaps)
+    run = evolve(single, RandomDisplacement(0.1), degree=6, until=1.0, every=1.0)
+    assert run.ending.kind == "overlap"
+    assert len(calls) < 20
+    # What was tried in vain is counted.
+    assert run.work.rejected >= 3
+    assert run.work.evaluations > 5
+
+
+def test_where_stabilised_steps_fail_exponential_ones_go_on(
+    coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def failing(*_: object) -> Step[Any]:
+        raise StepFailed("not_finite", "never")
+
+    monkeypatch.setattr(RungeKuttaChebyshev, "advance", failing)
+    monkeypatch.setattr("celltrain.evolution.methods.automatic.COUNTED", 1)
+    single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
+    run = evolve(single, RandomDisplacement(0.1), degree=6, until=0.5, every=0.5)
+    assert run.ending.kind == "complete"
+
+
+def test_other_cells_are_refused_at_once(coarse_base: Base) -> None:
+    cells = CellsInFlow(coarse_base.train.cell, simple_shear(1.0), Resolution(degree=6))
+    for method in (Automatic(), ExponentialRungeKutta()):
+        with pytest.raises(CaseError, match="allowed: RungeKuttaChebyshev, ForwardEuler"):
+            next(follow(cells, cells.resting([[0.0, 0.0, 0.0]]), until=1.0, integrator=method))
+
+
 def test_cells_without_a_train_are_refused(dynamics: Dynamics) -> None:
     state = dynamics.state(0.0, np.asarray(dynamics.base))
     method = ExponentialRungeKutta()
@@ -197,6 +256,8 @@ def test_the_cheaper_method_goes_on(dynamics: Dynamics) -> None:
     dear = after(cheap, 2, 0.1)
     assert (dear.stabilised, dear.other_cost) == (True, pytest.approx(20.0))
     assert dear.other_evaluations == 2 * COUNTED
+    # What was known of the spectral radius is of a time long ago.
+    assert dear.chebyshev.radius_age == RADIUS_STEPS
     # Cheaper than that, until the other one is tried again, and left again at once.
     memory, rounds = dear, 0
     while memory.stabilised:

@@ -122,6 +122,11 @@ def follow(
     check_positive("until", until)
     check_positive("every", every)
     method: Integrator[Any] = RungeKuttaChebyshev() if integrator is None else integrator
+    if method.needs_train:
+        raise CaseError(
+            f"integrator = {type(method).__name__} is not allowed: it marches trains; allowed:"
+            " RungeKuttaChebyshev, ForwardEuler"
+        )
     dynamics = cells.dynamics(np.asarray(shapes, dtype=float))
     met = dynamics.overlaps(np.asarray(dynamics.base))
     if met:
@@ -140,7 +145,7 @@ def _steps(
         dynamics = _resolving(cells, dynamics, state.shapes)
         step = _apart(method, dynamics, state, memory)
         for time in due_times(last, step.state.time, every=every, until=until):
-            yield Snapshot(time, shapes_within(dynamics, state, step.state, time))
+            yield Snapshot(time, shapes_within(dynamics, state, step, time))
             last = time
         state, memory = step.state, step.memory
 

@@ -148,8 +148,13 @@ class Dynamics(eqx.Module):
         return self.displacement(shapes - np.asarray(self.base))
 
 
-def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dynamics:
-    """The dynamics of the N cells of a train about a steady state."""
+def train_dynamics(
+    base: Base, repulsion: Repulsion, *, wall_gap: float, linear_part: LinearPart | None = None
+) -> Dynamics:
+    """The dynamics of the N cells of a train about a steady state.
+
+    **Arguments:** `linear_part`: that of this train, if it is known.
+    """
     train = base.train
     tube = train_tube(train)
     operator = train_operator(train, cells=train.cells, wall_gap=wall_gap)
@@ -164,7 +169,7 @@ def train_dynamics(base: Base, repulsion: Repulsion, *, wall_gap: float) -> Dyna
         surroundings=tube,
         film_forces=film_forces(train.cell, train.sizes, tube, repulsion),
         wall_gap=wall_gap,
-        linear_part=LinearPart(base),
+        linear_part=LinearPart(base) if linear_part is None else linear_part,
     )
 
 

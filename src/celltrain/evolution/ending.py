@@ -40,8 +40,14 @@ class Ending:
 
 
 class StepFailed(RuntimeError):
-    """No step can be taken from a state; why as a word (see `Ending`) and as a sentence."""
+    """No step can be taken from a state; why as a word (see `Ending`) and as a sentence.
 
-    def __init__(self, kind: EndingKind, message: str) -> None:
+    `rejected` and `evaluations` say what was tried in vain.
+    """
+
+    def __init__(
+        self, kind: EndingKind, message: str, *, rejected: int = 0, evaluations: int = 0
+    ) -> None:
         super().__init__(message)
         self.kind = kind
+        self.rejected, self.evaluations = rejected, evaluations

@@ -2,8 +2,8 @@
 
 Near a steady train shapes move by ds/dt = f(s) with f(s + d) = f(s) + L d and little else, L d =
 R A R^T d: A of the linear dynamics about the steady train (`stability.linear_blocks`), and R the
-turn of each cell from where it is in that train. Membranes are elastic and cells turn as a whole,
-so that what is fast in f stays in L wherever they are.
+rotation of each cell from its orientation in that train. Membranes are elastic and cells turn as a
+whole, so that what is fast in f stays in L wherever they are.
 
 Exponential methods take the functions
 
@@ -29,10 +29,10 @@ from celltrain.membrane import place_cells
 from celltrain.stability.linearise import linear_blocks
 from celltrain.steady import Base
 
-# Norm of z up to which the Taylor series is taken, and its terms: the next one is below rounding.
+# Norm of z up to which the Taylor series is taken, and its terms: the first one left out is below
+# rounding.
 SMALL, TERMS = 0.5, 14
-# Steps are of these powers of two, a half apart: functions of few steps are needed, and of one
-# step they follow from those of its half.
+# Steps are 2^(k/2), so that functions of few steps are needed.
 PER_OCTAVE = 2
 # Steps whose functions are kept.
 KEPT = 3
@@ -67,6 +67,24 @@ class LinearPart:
         """The second function of h L, of the step of a level (see `step_of`), times d."""
         return self._by_blocks(self._of_level(level)[1], turns, change)
 
+    def within(
+        self, turns: Turns, rates: Shapes, change: Shapes, step: float, part: float
+    ) -> Shapes:
+        """The change of shapes after a part of an exponential step h with the given whole change.
+
+        With tau = part h it is tau phi_1(tau L) f + part^2 phi_2(tau L) phi_2(h L)^-1 c, c being
+        what the whole change has beside h phi_1(h L) f: the rest of the rates grows evenly in time.
+        """
+        whole = [_functions(step * each) for each in self._blocks]
+        so_far = [_functions(part * step * each) for each in self._blocks]
+        linear = step * self._by_blocks([each[0] for each in whole], turns, rates)
+        ratios = [
+            np.linalg.solve(all_of_it, some)
+            for (_, all_of_it), (_, some) in zip(whole, so_far, strict=True)
+        ]
+        begun = part * step * self._by_blocks([each[0] for each in so_far], turns, rates)
+        return begun + part**2 * self._by_blocks(ratios, turns, change - linear)
+
     def _by_blocks(self, blocks: Sequence[Blocks], turns: Turns, change: Shapes) -> Shapes:
         cells = len(change)
         body = np.einsum("cji,cjk->cik", turns, change).reshape(cells, -1)
@@ -94,7 +112,7 @@ class LinearPart:
 
     @cached_property
     def _families(self) -> Float[np.ndarray, "member value"]:
-        """All disturbances of one cell, one after the other azimuthal number, an orthonormal set.
+        """All disturbances of one cell, ordered by azimuthal number; together orthonormal.
 
         Of m > 0 those with z ~ cos(m phi), and after them those with z ~ sin(m phi), whose blocks
         are the same.

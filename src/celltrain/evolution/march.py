@@ -148,7 +148,7 @@ class March:
                 wasted += step.work + Work(rejected=1)
                 memory, met = shorter, None
                 continue
-            frames = self._due_frames(state, step.state)
+            frames = self._due_frames(state, step)
             if step.state.time > until * (1.0 + SAME_TIME):
                 # Beyond the end only the frames count: going on later repeats this step as it is.
                 self._commit(None, wasted, frames)
@@ -168,17 +168,22 @@ class March:
         distance = self._dynamics.wall_distance(state.shapes)
         wall_gap = followed(state.wall_gap, distance)
         if wall_gap != self._dynamics.wall_gap:
-            self._dynamics = train_dynamics(self._run.base, self._run.repulsion, wall_gap=wall_gap)
+            self._dynamics = train_dynamics(
+                self._run.base,
+                self._run.repulsion,
+                wall_gap=wall_gap,
+                linear_part=self._dynamics.linear_part,
+            )
 
     def _last_time(self) -> float:
         return float(self._frames[self._committed.frames - 1]["time"])
 
-    def _due_frames(self, state: State, after: State) -> list[Row]:
+    def _due_frames(self, state: State, step: Step[Memory]) -> list[Row]:
         """The frames at multiples of `every`, and at the end, that lie within a step."""
         every, until, dynamics = self._run.every, self._run.until, self._dynamics
-        times = due_times(self._last_time(), after.time, every=every, until=until)
+        times = due_times(self._last_time(), step.state.time, every=every, until=until)
         return [
-            self._frame(dynamics.state(at, shapes_within(dynamics, state, after, at)))
+            self._frame(dynamics.state(at, shapes_within(dynamics, state, step, at)))
             for at in times
         ]
 

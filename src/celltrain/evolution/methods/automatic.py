@@ -7,16 +7,17 @@ from typing import Annotated
 from celltrain.evolution.checks import check_positive
 from celltrain.evolution.ending import StepFailed
 from celltrain.evolution.methods.exponential import ExponentialMemory, ExponentialRungeKutta
-from celltrain.evolution.methods.integrator import CellDynamics, Integrator, Step
+from celltrain.evolution.methods.integrator import CellDynamics, Integrator, Step, Work
 from celltrain.evolution.methods.runge_kutta_chebyshev import (
+    RADIUS_STEPS,
     ChebyshevMemory,
     RungeKuttaChebyshev,
 )
 from celltrain.evolution.state import State
 from celltrain.quantities import Quantity
 
-# Steps over which evaluations are counted, and how many times the evaluations of the other method
-# in as many steps are taken by this one until the other is tried again.
+# Steps over which evaluations are counted. The other method is tried again after this many times
+# the evaluations that its last counted steps took.
 COUNTED = 8
 AGAIN = 20
 # Evaluations per r0/U, and in a step, of stabilised steps before that is known.
@@ -31,7 +32,10 @@ class AutomaticMemory:
     chebyshev: ChebyshevMemory
     stabilised: Annotated[bool, Quantity("", "1", "whether the next step is a stabilised one")]
     spent: Annotated[
-        int, Quantity("", "1", "evaluations by this method since it was chosen, all counted ones")
+        int,
+        Quantity(
+            "", "1", "evaluations by this method since it was chosen, without those being counted"
+        ),
     ]
     steps: Annotated[int, Quantity("", "1", "steps that are being counted")]
     evaluations: Annotated[int, Quantity("", "1", "evaluations in them")]
@@ -85,16 +89,30 @@ class Automatic(Integrator[AutomaticMemory]):
     def advance(
         self, dynamics: CellDynamics, state: State, memory: AutomaticMemory
     ) -> Step[AutomaticMemory]:
-        """One accepted step, after as many rejected ones as it takes."""
+        """One accepted step, after as many rejected ones as it takes.
+
+        **Raises:** `StepFailed` if no method can take one.
+        """
+        try:
+            return self._by_its_method(dynamics, state, memory)
+        except StepFailed as failure:
+            changed = _changed(memory, math.inf, COUNTED * ASSUMED_STAGES)
+            step = self._by_its_method(dynamics, state, changed)
+            return replace(step, work=step.work + Work(failure.rejected, failure.evaluations))
+
+    def _by_its_method(
+        self, dynamics: CellDynamics, state: State, memory: AutomaticMemory
+    ) -> Step[AutomaticMemory]:
         if memory.stabilised:
             stabilised = self._chebyshev.advance(dynamics, state, memory.chebyshev)
             return _counted(stabilised, replace(memory, chebyshev=stabilised.memory))
-        try:
-            exponential = self._exponential.advance(dynamics, state, memory.exponential)
-        except StepFailed:
-            # Stabilised steps may be shorter still; exponential ones are tried again all the same.
-            return self.advance(dynamics, state, _changed(memory, math.inf, COUNTED))
+        exponential = self._exponential.advance(dynamics, state, memory.exponential)
         return _counted(exponential, replace(memory, exponential=exponential.memory))
+
+    @property
+    def needs_train(self) -> bool:
+        """See `Integrator`."""
+        return True
 
     @property
     def retries(self) -> bool:
@@ -102,12 +120,12 @@ class Automatic(Integrator[AutomaticMemory]):
         return True
 
     def shortened(self, memory: AutomaticMemory, size: float) -> AutomaticMemory | None:
-        """See `Integrator`."""
-        if memory.stabilised:
-            chebyshev = self._chebyshev.shortened(memory.chebyshev, size)
-            return None if chebyshev is None else replace(memory, chebyshev=chebyshev)
+        """See `Integrator`; both, as either may take the next step where the other one fails."""
         exponential = self._exponential.shortened(memory.exponential, size)
-        return None if exponential is None else replace(memory, exponential=exponential)
+        chebyshev = self._chebyshev.shortened(memory.chebyshev, size)
+        if exponential is None or chebyshev is None:
+            return None
+        return replace(memory, exponential=exponential, chebyshev=chebyshev)
 
 
 def _counted(
@@ -125,15 +143,18 @@ def _counted(
             following = _changed(memory, cost, evaluations)
         else:
             following = replace(memory, spent=spent, steps=0, evaluations=0, time=0.0)
-    return Step(step.state, following, step.manner, step.work)
+    return Step(step.state, following, step.manner, step.work, step.exponential)
 
 
 def _changed(memory: AutomaticMemory, cost: float, evaluations: int) -> AutomaticMemory:
-    """The memory with the other method, from what this one costs; neither knows the last step."""
+    """The memory with the other method, from what this one costs.
+
+    Neither knows the last step, nor the spectral radius of this state.
+    """
     return replace(
         memory,
         exponential=replace(memory.exponential, last_step=0.0, last_error=0.0),
-        chebyshev=replace(memory.chebyshev, last_step=0.0, last_error=0.0),
+        chebyshev=replace(memory.chebyshev, last_step=0.0, last_error=0.0, radius_age=RADIUS_STEPS),
         stabilised=not memory.stabilised,
         spent=0,
         steps=0,

@@ -113,7 +113,7 @@ class ExponentialRungeKutta(Integrator[ExponentialMemory]):
                     break
                 relative = np.nan
             work += Work(rejected=1)
-            memory = replace(memory, step=_shorter(step, relative))
+            memory = replace(memory, step=_shorter(step, relative, work))
         factor = step_factor(step, relative, memory.last_step, memory.last_error)
         following = ExponentialMemory(
             step=min(step * factor, self.largest_step),
@@ -123,7 +123,12 @@ class ExponentialRungeKutta(Integrator[ExponentialMemory]):
             rates=state.rates,
         )
         manner = Manner(size=step, stages=2, error=error, radius=float("nan"))
-        return Step(after, following, manner, work)
+        return Step(after, following, manner, work, exponential=True)
+
+    @property
+    def needs_train(self) -> bool:
+        """See `Integrator`."""
+        return True
 
     def _error(
         self,
@@ -136,9 +141,9 @@ class ExponentialRungeKutta(Integrator[ExponentialMemory]):
     ) -> Shapes:
         """What the end of a step is wrong by, from the rest of the rates there.
 
-        Twice what Milne's device says: extrapolated from the step before, a rest that is smooth in
-        time is wrong by 3 + 3 r times as much, r the ratio of the steps; but `rest` is known at
-        s + d only, not at the end itself.
+        For a rest that is smooth in time, its extrapolation from the step before has 3 + 3 r times
+        the error of this step, r the ratio of the steps (Milne's device). Twice what that gives is
+        taken, because `rest` is known at s + d only, not at the end itself.
         """
         step = step_of(level)
         before = memory.rates - state.rates - linear.applied(turns, memory.back)
@@ -156,14 +161,15 @@ class ExponentialRungeKutta(Integrator[ExponentialMemory]):
         return None if shorter < SMALLEST_RETRY else replace(memory, step=shorter)
 
 
-def _shorter(step: float, relative: float) -> float:
+def _shorter(step: float, relative: float, work: Work) -> float:
     """The step to try after one whose error was too large or NaN.
 
     **Raises:** `StepFailed` if it is too short.
     """
     shorter = step * rejection_factor(relative)
     if shorter < SMALLEST_STEP and not np.isfinite(relative):
-        raise StepFailed("not_finite", "shapes or velocities have become NaN")
+        raise StepFailed("not_finite", "shapes or velocities have become NaN", **vars(work))
     if shorter < SMALLEST_STEP:
-        raise StepFailed("step_too_small", f"steps below {SMALLEST_STEP:g} r0/U would be needed")
+        message = f"steps below {SMALLEST_STEP:g} r0/U would be needed"
+        raise StepFailed("step_too_small", message, **vars(work))
     return shorter

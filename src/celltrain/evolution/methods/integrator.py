@@ -28,7 +28,10 @@ class Manner:
         Quantity("", "r0", "estimated error of the step, the largest displacement of a membrane"),
     ]
     radius: Annotated[
-        float, Quantity(r"\rho", "U/r0", "spectral radius for which the step is stable")
+        float,
+        Quantity(
+            r"\rho", "U/r0", "spectral radius for which the step is stable, NaN if it needs none"
+        ),
     ]
 
 
@@ -47,12 +50,16 @@ class Work:
 
 @dataclass(frozen=True)
 class Step(Generic[MemoryT]):
-    """One step: where it led, what the method remembers of it, how it was taken, at what cost."""
+    """One step: where it led, what the method remembers of it, how it was taken, at what cost.
+
+    `exponential`: whether between its ends shapes follow the linear dynamics, however fast.
+    """
 
     state: State
     memory: MemoryT
     manner: Manner
     work: Work
+    exponential: bool = False
 
 
 @runtime_checkable
@@ -96,6 +103,11 @@ class Integrator(abc.ABC, Generic[MemoryT]):
 
         **Raises:** `StepFailed`.
         """
+
+    @property
+    def needs_train(self) -> bool:
+        """Whether it marches cells of a train only."""
+        return False
 
     @property
     def retries(self) -> bool:

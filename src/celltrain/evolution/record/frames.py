@@ -1,10 +1,13 @@
 """The frames of a simulation: when they are due, and what each holds."""
 
+from typing import Any
+
 import numpy as np
 
 from celltrain.diagnostics import frame
 from celltrain.evolution.dynamics import Dynamics
 from celltrain.evolution.linear import LinearPrediction
+from celltrain.evolution.methods import Step
 from celltrain.evolution.record.history import Row
 from celltrain.evolution.record.interpolation import interpolated
 from celltrain.evolution.state import State
@@ -27,8 +30,19 @@ def due_times(last: float, end: float, *, every: float, until: float) -> list[fl
     return times
 
 
-def shapes_within(dynamics: Dynamics, before: State, after: State, time: float) -> np.ndarray:
-    """Continuous shapes at a time within a step, r0."""
+def shapes_within(dynamics: Dynamics, before: State, step: Step[Any], time: float) -> np.ndarray:
+    """Continuous shapes at a time within a step, r0.
+
+    Within exponential steps the linear dynamics may be as fast as it likes, and no polynomial
+    follows it.
+    """
+    after, linear = step.state, dynamics.linear_part
+    if step.exponential and linear is not None:
+        begin = dynamics.continuous(before.shapes, before.laps)
+        change = dynamics.continuous(after.shapes, after.laps) - begin
+        size = after.time - before.time
+        part = (time - before.time) / size
+        return begin + linear.within(linear.turns(before.shapes), before.rates, change, size, part)
     ends = (
         (each.time, dynamics.continuous(each.shapes, each.laps), each.rates)
         for each in (before, after)
