@@ -11,7 +11,7 @@ method.
 
     python benchmarks/simulation.py [--run RUN.nc] [--window TIME] [--euler-window TIME]
 
-Run time. About fifteen minutes on two cores, with nothing else to do.
+Run time. Five to ten minutes on two cores, with nothing else to do.
 """
 
 import argparse

@@ -369,7 +369,7 @@ def test_a_small_mode_grows_as_predicted(coarse_stability: Stability) -> None:
     history = run.history
     assert_allclose(history["eps_exponential"], history["eps_linear"], rtol=1e-6)
     assert history["volume_correction"].max() < 1e-5
-    # Each step was stable and within its tolerance; steps grew to hundreds of stable Euler steps.
+    # Each step was within its tolerance; steps grew to fifty times what Euler's method may take.
     allowed = 1e-3 * np.maximum(1e-3, history["eps_x"])
     assert np.all(history["error"] <= allowed)
     assert history["size"].max() > 5.0

@@ -68,22 +68,20 @@ class LinearPart:
         return self._by_blocks(self._of_level(level)[1], turns, change)
 
     def within(
-        self, turns: Turns, rates: Shapes, change: Shapes, step: float, part: float
+        self, level: int, turns: Turns, rates: Shapes, change: Shapes, part: float
     ) -> Shapes:
-        """The change of shapes after a part of an exponential step h with the given whole change.
+        """The change of shapes after a part of the step h of a level with the given whole change.
 
         With tau = part h it is tau phi_1(tau L) f + part^2 phi_2(tau L) phi_2(h L)^-1 c, c being
         what the whole change has beside h phi_1(h L) f: the rest of the rates grows evenly in time.
         """
-        whole = [_functions(step * each) for each in self._blocks]
-        so_far = [_functions(part * step * each) for each in self._blocks]
-        linear = step * self._by_blocks([each[0] for each in whole], turns, rates)
-        ratios = [
-            np.linalg.solve(all_of_it, some)
-            for (_, all_of_it), (_, some) in zip(whole, so_far, strict=True)
-        ]
-        begun = part * step * self._by_blocks([each[0] for each in so_far], turns, rates)
-        return begun + part**2 * self._by_blocks(ratios, turns, change - linear)
+        step = step_of(level)
+        whole = self._of_level(level)[1]
+        first, second = self._functions_of(part * step)
+        begun = part * step * self._by_blocks(first, turns, rates)
+        ratios = [np.linalg.solve(*each) for each in zip(whole, second, strict=True)]
+        beside = change - step * self.phi_1(level, turns, rates)
+        return begun + part**2 * self._by_blocks(ratios, turns, beside)
 
     def _by_blocks(self, blocks: Sequence[Blocks], turns: Turns, change: Shapes) -> Shapes:
         cells = len(change)
@@ -138,10 +136,12 @@ class LinearPart:
         if level not in self._functions:
             while len(self._functions) >= KEPT:
                 del self._functions[next(iter(self._functions))]
-            step = step_of(level)
-            pairs = [_functions(step * each) for each in self._blocks]
-            self._functions[level] = [each[0] for each in pairs], [each[1] for each in pairs]
+            self._functions[level] = self._functions_of(step_of(level))
         return self._functions[level]
+
+    def _functions_of(self, step: float) -> tuple[list[Blocks], list[Blocks]]:
+        pairs = [_functions(step * each) for each in self._blocks]
+        return [each[0] for each in pairs], [each[1] for each in pairs]
 
 
 def step_of(level: int) -> float:

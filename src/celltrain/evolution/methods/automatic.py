@@ -16,45 +16,43 @@ from celltrain.evolution.methods.runge_kutta_chebyshev import (
 from celltrain.evolution.state import State
 from celltrain.quantities import Quantity
 
-# Steps over which evaluations are counted. The other method is tried again after this many times
-# the evaluations that its last counted steps took.
+# Steps over which evaluations are counted.
 COUNTED = 8
-AGAIN = 20
-# Evaluations per r0/U, and in a step, of stabilised steps before that is known.
-ASSUMED_COST, ASSUMED_STAGES = 4.0, 16
+# Steps after a change of the method that are not counted: what errors of the other one left in fast
+# modes holds stabilised steps back at first.
+SETTLING_EXPONENTIAL, SETTLING_STABILISED = 8, 24
+# Evaluations by stabilised steps after which exponential ones are tried again.
+AGAIN = 1500
+# Evaluations per r0/U of stabilised steps before they are counted.
+ASSUMED_COST = 5.0
 
 
 @dataclass(frozen=True)
 class AutomaticMemory:
-    """What both methods remember, and how many evaluations each of them takes."""
+    """What both methods remember, and how many evaluations they take.
+
+    `evaluations` and `time` are those of the steps that are being counted.
+    """
 
     exponential: ExponentialMemory
     chebyshev: ChebyshevMemory
     stabilised: Annotated[bool, Quantity("", "1", "whether the next step is a stabilised one")]
-    spent: Annotated[
-        int,
-        Quantity(
-            "", "1", "evaluations by this method since it was chosen, without those being counted"
-        ),
+    stabilised_cost: Annotated[
+        float, Quantity("", "U/r0", "evaluations per time of stabilised steps, as last counted")
     ]
-    steps: Annotated[int, Quantity("", "1", "steps that are being counted")]
-    evaluations: Annotated[int, Quantity("", "1", "evaluations in them")]
-    time: Annotated[float, Quantity("", "r0/U", "time that they cover")]
-    other_cost: Annotated[
-        float, Quantity("", "U/r0", "evaluations per time by the other method when last counted")
-    ]
-    other_evaluations: Annotated[
-        int, Quantity("", "1", "evaluations in the steps of the other method when last counted")
-    ]
+    steps: Annotated[int, Quantity("", "1", "steps since this method was chosen")]
+    spent: Annotated[int, Quantity("", "1", "evaluations since this method was chosen")]
+    evaluations: Annotated[int, Quantity("", "1", "evaluations in the counted steps")]
+    time: Annotated[float, Quantity("", "r0/U", "time that the counted steps cover")]
 
 
 @dataclass(frozen=True)
 class Automatic(Integrator[AutomaticMemory]):
     """`ExponentialRungeKutta` near the steady train, `RungeKuttaChebyshev` where that is cheaper.
 
-    Both are of second order with the same bound on the error of a step. Which one takes fewer
-    evaluations is counted as it goes; the other one is tried where it may be cheaper, and from time
-    to time.
+    Both are of second order with the same bound on the error of a step. Their evaluations are
+    counted as it goes: exponential steps go on until they take more than stabilised ones took, or
+    than these mostly take, and are tried again from time to time.
     """
 
     tolerance: Annotated[float, Quantity("", "1", "bound on the error of a step, relative")] = 1e-3
@@ -78,12 +76,11 @@ class Automatic(Integrator[AutomaticMemory]):
             exponential=self._exponential.begin(state),
             chebyshev=self._chebyshev.begin(state),
             stabilised=False,
-            spent=0,
+            stabilised_cost=ASSUMED_COST,
             steps=0,
+            spent=0,
             evaluations=0,
             time=0.0,
-            other_cost=ASSUMED_COST,
-            other_evaluations=COUNTED * ASSUMED_STAGES,
         )
 
     def advance(
@@ -96,7 +93,9 @@ class Automatic(Integrator[AutomaticMemory]):
         try:
             return self._by_its_method(dynamics, state, memory)
         except StepFailed as failure:
-            changed = _changed(memory, math.inf, COUNTED * ASSUMED_STAGES)
+            # Exponential steps in place of stabilised ones that fail are worth any cost.
+            cost = math.inf if memory.stabilised else memory.stabilised_cost
+            changed = _changed(replace(memory, stabilised_cost=cost))
             step = self._by_its_method(dynamics, state, changed)
             return replace(step, work=step.work + Work(failure.rejected, failure.evaluations))
 
@@ -132,34 +131,34 @@ def _counted(
     step: Step[ExponentialMemory] | Step[ChebyshevMemory], memory: AutomaticMemory
 ) -> Step[AutomaticMemory]:
     """The step with what is remembered after it: which method takes the next one, above all."""
-    steps = memory.steps + 1
-    evaluations = memory.evaluations + step.work.evaluations
-    time = memory.time + step.manner.size
-    if steps < COUNTED:
-        following = replace(memory, steps=steps, evaluations=evaluations, time=time)
-    else:
-        cost, spent = evaluations / time, memory.spent + evaluations
-        if cost > memory.other_cost or spent >= AGAIN * memory.other_evaluations:
-            following = _changed(memory, cost, evaluations)
-        else:
-            following = replace(memory, spent=spent, steps=0, evaluations=0, time=0.0)
-    return Step(step.state, following, step.manner, step.work, step.exponential)
+    memory = replace(memory, steps=memory.steps + 1, spent=memory.spent + step.work.evaluations)
+    settling = SETTLING_STABILISED if memory.stabilised else SETTLING_EXPONENTIAL
+    counted = memory.steps - settling
+    if counted > 0:
+        evaluations = memory.evaluations + step.work.evaluations
+        memory = replace(memory, evaluations=evaluations, time=memory.time + step.manner.size)
+    if counted > 0 and counted % COUNTED == 0:
+        cost = memory.evaluations / memory.time
+        memory = replace(memory, evaluations=0, time=0.0)
+        if memory.stabilised:
+            memory = replace(memory, stabilised_cost=cost)
+        if memory.spent >= AGAIN if memory.stabilised else cost > memory.stabilised_cost:
+            memory = _changed(memory)
+    return Step(step.state, memory, step.manner, step.work, step.exponential)
 
 
-def _changed(memory: AutomaticMemory, cost: float, evaluations: int) -> AutomaticMemory:
-    """The memory with the other method, from what this one costs.
+def _changed(memory: AutomaticMemory) -> AutomaticMemory:
+    """The memory with the other method.
 
-    Neither knows the last step, nor the spectral radius of this state.
+    Neither method knows the last step then, nor the spectral radius of this state.
     """
     return replace(
         memory,
         exponential=replace(memory.exponential, last_step=0.0, last_error=0.0),
         chebyshev=replace(memory.chebyshev, last_step=0.0, last_error=0.0, radius_age=RADIUS_STEPS),
         stabilised=not memory.stabilised,
-        spent=0,
         steps=0,
+        spent=0,
         evaluations=0,
         time=0.0,
-        other_cost=cost,
-        other_evaluations=evaluations,
     )

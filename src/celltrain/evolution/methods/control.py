@@ -2,7 +2,8 @@
 
 import math
 
-from celltrain.evolution.methods.integrator import CellDynamics
+from celltrain.evolution.ending import StepFailed
+from celltrain.evolution.methods.integrator import CellDynamics, Work
 from celltrain.evolution.state import State
 from celltrain.harmonics import Shapes
 
@@ -44,8 +45,19 @@ def step_factor(step: float, error: float, last_step: float, last_error: float) 
     return min(max(factor, LEAST_FACTOR), LARGEST_FACTOR)
 
 
-def rejection_factor(error: float) -> float:
-    """The step to try again with over one whose relative error was too large or NaN."""
-    if not math.isfinite(error):
-        return LEAST_FACTOR
-    return max(SAFETY * error ** (-1.0 / 3.0), LEAST_FACTOR)
+def shorter_step(step: float, error: float, *, tolerance: float, work: Work) -> float:
+    """The step to try after one whose relative error was too large or NaN.
+
+    **Arguments:** `work`: what was tried in vain.
+
+    **Raises:** `StepFailed` if it is too short.
+    """
+    finite = math.isfinite(error)
+    factor = max(SAFETY * error ** (-1.0 / 3.0), LEAST_FACTOR) if finite else LEAST_FACTOR
+    shorter = step * factor
+    if shorter >= SMALLEST_STEP:
+        return shorter
+    if not finite:
+        raise StepFailed("not_finite", "shapes or velocities have become NaN", **vars(work))
+    message = f"an error of {tolerance:g} needs steps below {SMALLEST_STEP:g} r0/U"
+    raise StepFailed("step_too_small", message, **vars(work))

@@ -7,15 +7,13 @@ import numpy as np
 from jaxtyping import Float
 
 from celltrain.evolution.checks import check_positive
-from celltrain.evolution.ending import StepFailed
 from celltrain.evolution.linear_part import LinearPart, Turns, level_of, step_of
 from celltrain.evolution.methods.control import (
     OVERLAP_FACTOR,
     SMALLEST_ERROR,
     SMALLEST_RETRY,
-    SMALLEST_STEP,
     allowed_error,
-    rejection_factor,
+    shorter_step,
     step_factor,
 )
 from celltrain.evolution.methods.integrator import CellDynamics, Integrator, Manner, Step, Work
@@ -82,7 +80,7 @@ class ExponentialRungeKutta(Integrator[ExponentialMemory]):
     ) -> Step[ExponentialMemory]:
         """One accepted step, after as many rejected ones as it takes.
 
-        **Raises:** `CaseError` for cells without a steady train.
+        **Raises:** `StepFailed`; `CaseError` for cells without a steady train.
         """
         linear = dynamics.linear_part
         if linear is None:
@@ -113,7 +111,8 @@ class ExponentialRungeKutta(Integrator[ExponentialMemory]):
                     break
                 relative = np.nan
             work += Work(rejected=1)
-            memory = replace(memory, step=_shorter(step, relative, work))
+            shorter = shorter_step(step, relative, tolerance=self.tolerance, work=work)
+            memory = replace(memory, step=shorter)
         factor = step_factor(step, relative, memory.last_step, memory.last_error)
         following = ExponentialMemory(
             step=min(step * factor, self.largest_step),
@@ -159,17 +158,3 @@ class ExponentialRungeKutta(Integrator[ExponentialMemory]):
         """See `Integrator`."""
         shorter = OVERLAP_FACTOR * size
         return None if shorter < SMALLEST_RETRY else replace(memory, step=shorter)
-
-
-def _shorter(step: float, relative: float, work: Work) -> float:
-    """The step to try after one whose error was too large or NaN.
-
-    **Raises:** `StepFailed` if it is too short.
-    """
-    shorter = step * rejection_factor(relative)
-    if shorter < SMALLEST_STEP and not np.isfinite(relative):
-        raise StepFailed("not_finite", "shapes or velocities have become NaN", **vars(work))
-    if shorter < SMALLEST_STEP:
-        message = f"steps below {SMALLEST_STEP:g} r0/U would be needed"
-        raise StepFailed("step_too_small", message, **vars(work))
-    return shorter

@@ -19,9 +19,8 @@ from celltrain.evolution.methods.control import (
     OVERLAP_FACTOR,
     SMALLEST_ERROR,
     SMALLEST_RETRY,
-    SMALLEST_STEP,
     allowed_error,
-    rejection_factor,
+    shorter_step,
     step_factor,
 )
 from celltrain.evolution.methods.integrator import CellDynamics, Integrator, Manner, Step, Work
@@ -113,8 +112,11 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
             work += Work(evaluations=evaluations + stages)
             if relative <= 1.0:
                 break
-            memory = self._after_rejection(memory, step, relative)
             work += Work(rejected=1)
+            shorter = shorter_step(step, relative, tolerance=self.tolerance, work=work)
+            # A radius that is not of this very state may have been too small.
+            age = RADIUS_STEPS if memory.radius_age > 0 else 0
+            memory = replace(memory, step=shorter, radius_age=age)
         factor = step_factor(step, relative, memory.last_step, memory.last_error)
         following = replace(
             memory,
@@ -146,7 +148,8 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
             return memory, 0
         found = spectral_radius(dynamics.rates, state.shapes, state.rates, memory.direction)
         if not (math.isfinite(found.radius) and found.radius > 0.0):
-            raise StepFailed("not_finite", "the spectral radius of the rates is NaN")
+            message = "the spectral radius of the rates is NaN"
+            raise StepFailed("not_finite", message, evaluations=found.evaluations)
         radius = RADIUS_MARGIN * found.radius
         known = replace(
             memory,
@@ -156,20 +159,3 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
             direction=found.direction,
         )
         return known, found.evaluations
-
-    def _after_rejection(
-        self, memory: ChebyshevMemory, step: float, relative: float
-    ) -> ChebyshevMemory:
-        """The memory to try again with, after a step whose error was too large or NaN."""
-        finite = math.isfinite(relative)
-        factor = rejection_factor(relative)
-        if step * factor < SMALLEST_STEP:
-            if not finite:
-                raise StepFailed("not_finite", "shapes or velocities have become NaN")
-            raise StepFailed(
-                "step_too_small",
-                f"an error of {self.tolerance:g} needs steps below {SMALLEST_STEP:g} r0/U",
-            )
-        # A radius that is not of this very state may have been too small.
-        age = RADIUS_STEPS if memory.radius_age > 0 else 0
-        return replace(memory, step=step * factor, radius_age=age)

@@ -7,6 +7,7 @@ import numpy as np
 from celltrain.diagnostics import frame
 from celltrain.evolution.dynamics import Dynamics
 from celltrain.evolution.linear import LinearPrediction
+from celltrain.evolution.linear_part import level_of
 from celltrain.evolution.methods import Step
 from celltrain.evolution.record.history import Row
 from celltrain.evolution.record.interpolation import interpolated
@@ -40,9 +41,9 @@ def shapes_within(dynamics: Dynamics, before: State, step: Step[Any], time: floa
     if step.exponential and linear is not None:
         begin = dynamics.continuous(before.shapes, before.laps)
         change = dynamics.continuous(after.shapes, after.laps) - begin
-        size = after.time - before.time
-        part = (time - before.time) / size
-        return begin + linear.within(linear.turns(before.shapes), before.rates, change, size, part)
+        part = (time - before.time) / step.manner.size
+        level, turns = level_of(step.manner.size), linear.turns(before.shapes)
+        return begin + linear.within(level, turns, before.rates, change, part)
     ends = (
         (each.time, dynamics.continuous(each.shapes, each.laps), each.rates)
         for each in (before, after)
