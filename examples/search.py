@@ -1,8 +1,8 @@
-"""Is the bullet the only steady train? A search from some twenty shapes, by deflation.
+"""Is the bullet the only steady train? A search from some twenty shapes.
 
 Physics. The train that the flow reaches from rest need not be the only one: cells could point the
-other way, or be cups. From every guess Newton's method looks for a steady train with those taken
-out that are known already. What it finds counts if it is there at a higher degree, too, as low
+other way, or be cups. From every guess the flow goes on to a steady train, and Newton's method
+looks for one with those taken out that are known already. What it finds counts if it is there at a higher degree, too, as low
 degrees have trains of their own. Each further one comes with its distance from the known one and
 with the growth rate of its axisymmetric disturbances: one that grows is a train that nobody will
 see.
@@ -38,7 +38,7 @@ def main(folder: Path = Path("out/search")) -> None:
 
         def tell(each: SearchTry) -> None:
             done.append(each)
-            reporter.log(f"try {len(done)}: from {each.guess}: {each.outcome}")
+            reporter.log(f"try {len(done)}: from {each.guess} by {each.way}: {each.outcome}")
 
         found = search_trains(known, progress=tell)
     show(found, output)

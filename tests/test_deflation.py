@@ -26,7 +26,7 @@ from celltrain.continuation import (
 from celltrain.continuation.deflation import deflated_step, deflation
 from celltrain.continuation.equations import evaluate_steady, known_point, to_unknowns
 from celltrain.continuation.guesses import FITTING, first_guesses, reversed_profile, squeezed
-from celltrain.continuation.search import SAME
+from celltrain.continuation.tries import SAME, by_deflation, by_flow
 from celltrain.harmonics import UNIT_DISPLACEMENT, coefficients_of
 from celltrain.meridian.geometry import largest_radius, meridian_points
 from celltrain.proximity.meridian import crosses_itself
@@ -118,10 +118,11 @@ def test_shapes_that_take_too_much_are_passed_by(
     with pytest.raises(NoSolution, match="all but touch"):
         evaluate_steady(known.problem, unknowns, known, most_work=work - 1)
     part = 0.9 * work / known.state.flow.rules.work
-    monkeypatch.setattr("celltrain.continuation.search.MOST_WORK", part)
+    monkeypatch.setattr("celltrain.continuation.tries.MOST_WORK", part)
     monkeypatch.setattr("celltrain.continuation.search._with_volume", lambda _, profile: profile)
     search = search_trains(coarse_base, guesses=[("a wide one", profile)])
-    assert "all but touch" in search.tries[0].outcome
+    assert [each.way for each in search.tries] == ["flow", "deflation"]
+    assert all("all but touch" in each.outcome for each in search.tries)
 
 
 def test_meridians_of_cells(coarse_base: Base) -> None:
@@ -173,24 +174,30 @@ def test_search_for_other_trains(coarse_base: Base) -> None:
     moved = profile.copy()
     moved[0, 3] += 0.3
     guesses = [("the known one", profile), ("a moved one", moved)]
-    search = search_trains(coarse_base, guesses=guesses, most_tries=3, tries=Tries(most_steps=8))
-    assert search.tries[0].outcome == "the guess is a known train"
-    assert 2 <= len(search.tries) <= 3
-    assert all(each.steps <= 8 for each in search.tries)
+    search = search_trains(coarse_base, guesses=guesses, most_tries=5, tries=Tries(most_steps=8))
+    outcomes = [each.outcome for each in search.tries]
+    assert outcomes[:2] == ["came back to a known one", "the guess is a known train"]
+    assert 4 <= len(search.tries) <= 5
+    assert all(each.steps <= 8 for each in search.tries if each.way == "deflation")
     assert len(search.found) == sum(each.base is not None for each in search.tries)
     for each in search.found:
         assert each.base.residual < 1e-9
         assert each.distance > SAME
 
 
-def test_a_train_is_found_that_is_not_known(coarse_base: Base) -> None:
+@pytest.mark.parametrize("way", ["flow", "deflation"])
+def test_a_train_is_found_that_is_not_known(
+    way: str, coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The one that the flow reaches, if its mirror image is pretended to be all that is known."""
+    if way == "deflation":
+        monkeypatch.setattr("celltrain.continuation.search.by_flow", by_deflation)
     turned = coefficients_of(reversed_profile(coarse_base.profile))
     pretended = replace(coarse_base, coefficients=turned)
     moved = coarse_base.profile.copy()
     moved[0, 3] += 0.05
     search = search_trains(pretended, guesses=[("a moved one", moved)], most_tries=1)
-    assert search.tries[0].outcome == "found another train"
+    assert (search.tries[0].way, search.tries[0].outcome) == (way, "found another train")
     found = search.found[0]
     assert found.axisymmetric_rate < 0.0
     # Followed to a degree half as high again, where it is the train that is found from rest.
@@ -199,6 +206,19 @@ def test_a_train_is_found_that_is_not_known(coarse_base: Base) -> None:
     assert_allclose(found.base.coefficients, finer.coefficients, rtol=0, atol=1e-8)
     change = abs(finer.cell_velocity - coarse_base.cell_velocity)
     assert_allclose(found.velocity_change, change, rtol=1e-5)
+
+
+def test_marches_that_lead_to_no_train_say_so(coarse_base: Base) -> None:
+    known, profile = known_point(coarse_base), coarse_base.profile
+    moved = profile.copy()
+    moved[0, 3] += 0.3
+    few = Tries(most_flow_steps=1)
+    each, root = by_flow("a moved one", moved, known, [to_unknowns(profile)], few)
+    assert (each.steps, each.outcome) == (1, "the flow became steady nowhere")
+    assert (root, each.base) == (None, None)
+    wide = profile * np.array([[1.0], [1.01 * coarse_base.train.radius]])
+    each, root = by_flow("one beyond the wall", wide, known, [to_unknowns(profile)], few)
+    assert (each.steps, each.outcome, root) == (0, "the guess has no room", None)
 
 
 def test_what_is_a_train_at_a_low_degree_alone_is_counted_apart(
@@ -234,7 +254,7 @@ def test_a_search_at_a_lower_degree(coarse_base: Base) -> None:
     finer = at_degree(coarse_base, 8)
     search = search_trains(finer, guesses=[("the known one", coarse_base.profile)], degree=6)
     assert (search.degree, search.higher_degree) == (6, 8)
-    assert search.tries[0].outcome == "the guess is a known train"
+    assert search.tries[1].outcome == "the guess is a known train"
     with pytest.raises(CaseError, match="degree = 64 is not allowed"):
         search_trains(finer, degree=64)
 
@@ -249,8 +269,8 @@ def searched(coarse_base: Base) -> BranchSearch:
     """A search that nobody made: two tries from one guess, a further train, and no more."""
     other = replace(coarse_base, cell_velocity=1.5, origin="made up")
     tries = (
-        SearchTry("the resting shape", 5, 7, "found another train", 1e-10, other),
-        SearchTry("the resting shape", 0, 1, "cells overlap", float("nan"), None),
+        SearchTry("the resting shape", "flow", 5, 0.2, "found another train", 1e-10, other),
+        SearchTry("the resting shape", "deflation", 0, 0.1, "cells overlap", float("nan"), None),
     )
     found = (FoundTrain(other, "the resting shape", 0.7, 1e-3, -0.01),)
     return BranchSearch(coarse_base, 6, 12, tries, found)
@@ -292,7 +312,7 @@ def test_command(
     assert content["known"]["cell_velocity"] == searched.known.cell_velocity
     assert [each["residual"] for each in content["tries"]] == [1e-10, None]
     assert content["found"][0]["base"]["cell_velocity"] == 1.5
-    assert "try 2: from the resting shape: cells overlap (0 steps, 1 evaluations)" in printed.err
+    assert "try 2: from the resting shape: cells overlap (deflation, 0 steps, 0.1 s)" in printed.err
     names = sorted(each.name for each in tmp_path.iterdir())
     assert names == ["search.png", "trains-1.nc", "trains.nc"]
     again = load(tmp_path / "trains-1.nc")

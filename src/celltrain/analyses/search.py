@@ -18,7 +18,7 @@ from celltrain.steady import Base, steady
 
 @dataclass(frozen=True, kw_only=True)
 class SteadySearch(Analysis[BranchSearch]):
-    """Search for further steady trains of a case, by deflation of those that are known.
+    """Search for further steady trains of a case: by the flow, and by deflation of those known.
 
     The known one is the train which the flow reaches from rest. The search is made at a low degree;
     what it finds is followed to a higher one, as low degrees have trains of their own, which are
@@ -56,7 +56,7 @@ class SteadySearch(Analysis[BranchSearch]):
 
         def show(each: SearchTry) -> None:
             done.append(each)
-            took = f"{each.steps} steps, {each.evaluations} evaluations"
+            took = f"{each.way}, {each.steps} steps, {each.seconds:.1f} s"
             progress.log(f"try {len(done)}: from {each.guess}: {each.outcome} ({took})")
             progress.part(title, len(done), self.most_tries)
 
@@ -81,10 +81,11 @@ class SteadySearch(Analysis[BranchSearch]):
         known = result.known
         console.print(case_line(known))
         console.print(f"known: {known.form}, U_c = {known.cell_velocity:.5f} U ({known.origin})")
-        tries = titled("Tries", "from", "steps", "evaluations")
+        tries = titled("Tries", "from", "by", "steps", "seconds", left=2)
         tries.add_column("outcome")
         for each in result.tries:
-            tries.add_row(each.guess, str(each.steps), str(each.evaluations), each.outcome)
+            row = (each.guess, each.way, str(each.steps), f"{each.seconds:.1f}", each.outcome)
+            tries.add_row(*row)
         console.print(tries)
         if result.found:
             trains = titled(

@@ -26,9 +26,9 @@ from celltrain.continuation.deflation import Attempt, Tries, deflated_newton
 from celltrain.continuation.search import (
     BranchSearch,
     FoundTrain,
-    SearchTry,
     search_trains,
 )
+from celltrain.continuation.tries import SearchTry
 
 __all__ = [
     "Attempt",

@@ -36,11 +36,13 @@ class Tries:
 
     `tolerance` bounds the error of a root; `decrease` is the part of the promised fall of |G| that
     a step must bring, `most_halvings` how often it is halved for that. A try is given up when |G|
-    has not fallen to a half within `patience` steps, or after `most_evaluations` of F.
+    has not fallen to a half within `patience` steps, or after `most_evaluations` of F. By the flow
+    (see `tries`) it is sought in `most_flow_steps`.
     """
 
     most_steps: int = 60
     most_evaluations: int = 120
+    most_flow_steps: int = 60
     patience: int = 12
     largest: float = 0.4
     most_halvings: int = 8

@@ -1,33 +1,27 @@
-"""A search for further steady trains of the same parameters, by deflation.
+"""A search for further steady trains of the same parameters.
 
 A steady train that is known is the one which the flow reaches from rest, or its branch's; others
-may exist. From each of several first guesses (see `guesses`) Newton's method with all known trains
-deflated (see `deflation`) looks for another, and again from the same guess when it has found one.
-Nothing proves that there are no more trains: what a search says is what it tried and what it found.
+may exist. From each of several first guesses (see `guesses`) the flow leads to one, and Newton's
+method with all known trains deflated looks for another (see `tries`), again from the same guess
+when it has found one. Nothing proves that there are no more trains: what a search says is what it
+tried and what it found.
 
 It is made at a low degree, and what it finds is followed to a higher one, as low degrees have
 trains of their own: what is none there is counted apart. So is a root whose meridian crosses
-itself or the axis, the shape of no cell; both are deflated, too. Each try is bounded in steps and
-evaluations, and passes by shapes whose evaluation takes many times that of the known train, which
-all but touch the wall or each other or are drawn out far beyond a cell.
+itself or the axis, the shape of no cell; both are deflated, too.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
 import numpy as np
 
-from celltrain.continuation.arclength import Evaluation, NoSolution, Unknowns
-from celltrain.continuation.deflation import Tries, deflated_newton
-from celltrain.continuation.equations import (
-    SteadyPoint,
-    evaluate_steady,
-    known_point,
-    to_unknowns,
-)
+from celltrain.continuation.arclength import Unknowns
+from celltrain.continuation.deflation import Tries
+from celltrain.continuation.equations import known_point, to_unknowns
 from celltrain.continuation.guesses import first_guesses
+from celltrain.continuation.tries import CROSSED, SearchTry, by_deflation, by_flow
 from celltrain.harmonics import Profile
 from celltrain.parameters import CaseError, Train
 from celltrain.proximity.meridian import crosses_itself
@@ -41,30 +35,14 @@ from celltrain.steady.problem import SteadyProblem
 from celltrain.steady.solve import TOLERANCE, at_degree, describe
 from celltrain.steady.ways import first_degree, no_sizes
 
-#: Tries unless told otherwise: one for each guess, and some for what is found.
-MOST_TRIES = 24
-# Two trains nearer than this, in a/sqrt(4 pi), are the same (r0).
-SAME = 1e-4
-# Shapes that take more than this many times what the known train takes are passed by.
-MOST_WORK = 16
+#: Tries unless told otherwise: two for each guess, and some for what is found.
+MOST_TRIES = 48
 # Degrees of the search up to the first, and the least ratio of the one that trains are followed to.
 HIGHEST, FINER = 48, 1.5
 # Newton's steps at each degree on the way there.
 MOST_CORRECTIONS = 20
-# How tries are called that led to what is no train.
-ALONE, CROSSED = "found a train of degree", "found a shape that crosses itself"
-
-
-@dataclass(frozen=True, eq=False)
-class SearchTry(Record):
-    """One try: the guess, how it ended, and the train if it has led to one."""
-
-    guess: Annotated[str, Quantity("", "1", "what it started from")]
-    steps: Annotated[int, Quantity("", "1", "steps of Newton's method")]
-    evaluations: Annotated[int, Quantity("", "1", "evaluations of the steady equations")]
-    outcome: Annotated[str, Quantity("", "1", "how it ended")]
-    residual: Annotated[float, Quantity("", "U", "residual at the end, NaN if there was none")]
-    base: Annotated[Base | None, Quantity("", "1", "the train it led to", bulky=True)]
+# How a try is called that led to what is no train at the higher degree.
+ALONE = "found a train of degree"
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +134,7 @@ def search_trains(
       train's if that is lower. What is found is followed to the known train's degree if that is
       higher, and to one half as high again if not.
     - `most_tries`: bound on the number of tries; each takes up to `tries.most_evaluations`, a
-      fiftieth of a second each at degree 12 and up to `MOST_WORK` times that.
+      fiftieth of a second each at degree 12 and up to sixteen times that.
     - `progress`: called with every try.
 
     **Raises:** `CaseError` for a number of tries or a degree that is not allowed.
@@ -168,10 +146,10 @@ def search_trains(
     near = known_point(low)
     first = to_unknowns(low.profile)
     roots, done, found = [first], list[SearchTry](), list[FoundTrain]()
-    for name, profile in first_guesses(low) if guesses is None else guesses:
+    for name, guess in first_guesses(low) if guesses is None else guesses:
+        profile, way = _with_volume(near.problem, guess), by_flow
         while len(done) < most_tries:
-            start = to_unknowns(_with_volume(near.problem, profile))
-            each, root = _try(name, start, near, roots, tries)
+            each, root = way(name, profile, near, roots, tries)
             base = each.base
             if root is not None:
                 roots.append(root)
@@ -186,8 +164,9 @@ def search_trains(
             done.append(each)
             if progress is not None:
                 progress(each)
-            if root is None:
+            if root is None and way is by_deflation:
                 break
+            way = by_deflation
         if len(done) >= most_tries:
             break
     return BranchSearch(known, low.train.degree, end.degree, tuple(done), tuple(found))
@@ -257,36 +236,6 @@ def _followed(base: Base, end: Train, roots: Sequence[Unknowns]) -> Base | None:
 def _of_degree(train: Train, degree: int) -> Train:
     """The same case at another degree, with the sizes of that."""
     return train.changed(degree=degree, **no_sizes())
-
-
-def _try(
-    name: str, start: Unknowns, known: SteadyPoint, roots: Sequence[Unknowns], tries: Tries
-) -> tuple[SearchTry, Unknowns | None]:
-    """One try; the root that it found, if it is another one."""
-    if min(float(np.linalg.norm(start - root)) for root in roots) < SAME:
-        return SearchTry(name, 0, 0, "the guess is a known train", math.nan, None), None
-    most = MOST_WORK * known.state.flow.rules.work
-
-    def equations(unknowns: Unknowns, near: SteadyPoint) -> Evaluation[SteadyPoint]:
-        return evaluate_steady(near.problem, unknowns, near, most_work=most)
-
-    try:
-        # Forces on the wildest shapes are no numbers, which no step takes for a fall.
-        with np.errstate(over="ignore", invalid="ignore"):
-            attempt = deflated_newton(equations, start, known, roots, tries)
-    except NoSolution as failure:
-        return SearchTry(name, 0, 1, str(failure), math.nan, None), None
-    error = attempt.evaluation.error
-    done = SearchTry(name, attempt.steps, attempt.evaluations, attempt.reason, error, None)
-    if not attempt.converged:
-        return done, None
-    root, point = attempt.unknowns, attempt.evaluation.state
-    if min(float(np.linalg.norm(root - each)) for each in roots) < SAME:
-        return replace(done, outcome="came back to a known one"), None
-    if crosses_itself(point.state.profile):
-        return replace(done, outcome=CROSSED), root
-    base = point.base(f"a search by deflation from {name}")
-    return replace(done, outcome="found another train", base=base), root
 
 
 def _describe(base: Base, there: Base, guess: str, distance: float) -> FoundTrain:
