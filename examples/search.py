@@ -2,10 +2,10 @@
 
 Physics. The train that the flow reaches from rest need not be the only one: cells could point the
 other way, or be cups. From every guess the flow goes on to a steady train, and Newton's method
-looks for one with those taken out that are known already. What it finds counts if it is there at a higher degree, too, as low
-degrees have trains of their own. Each further one comes with its distance from the known one and
-with the growth rate of its axisymmetric disturbances: one that grows is a train that nobody will
-see.
+looks for one with those taken out that are known already. What it finds counts if it is there at a
+higher degree, too, as low degrees have trains of their own. Each further one comes with its
+distance from the known one and with the growth rate of its axisymmetric disturbances: one that
+grows is a train that nobody will see.
 
 Scaling. Lengths in r0, velocities in U, rates in U/r0; tube of diameter 6, packing 0.2, degree 8.
 

@@ -1,4 +1,4 @@
-"""Nonuniform Fourier transforms in three dimensions, on whatever platform a program runs.
+"""Nonuniform Fourier transforms in two and three dimensions, on whatever platform a program runs.
 
     points to modes:  f^(k) = sum_s f_s exp(-i k . x_s)
     modes to points:  f(x)  = sum_k f^(k) exp(i k . x)
@@ -12,7 +12,7 @@ transform.
 
 import math
 from collections.abc import Callable
-from functools import cache
+from functools import cache, reduce
 from importlib.util import find_spec
 from typing import Any, TypeAlias
 
@@ -25,8 +25,8 @@ from scipy.fft import next_fast_len
 
 from celltrain.runtime import NUFFT_OPTIONS
 
-Angles: TypeAlias = tuple[Float[Array, " point"], Float[Array, " point"], Float[Array, " point"]]
-Shape: TypeAlias = tuple[int, int, int]
+Angles: TypeAlias = tuple[Float[Array, " point"], ...]
+Shape: TypeAlias = tuple[int, ...]
 
 #: Platforms for which `jax_finufft` was built.
 BUILT = ("cpu", *(("cuda",) if find_spec("jax_finufft.jax_finufft_gpu") else ()))
@@ -40,7 +40,7 @@ MOST_VALUES = 2**22
 
 def points_to_modes(
     shape: Shape, values: Complex[Array, "part point"], angles: Angles, tolerance: float
-) -> Complex[Array, "part x y z"]:
+) -> Complex[Array, "part *mode"]:
     """Modes of values at points; errors relative to the largest are of the size of `tolerance`."""
 
     def built(values: Array, *angles: Array) -> Array:
@@ -48,13 +48,13 @@ def points_to_modes(
         return found
 
     def plain(values: Array, *angles: Array) -> Array:
-        return plain_points_to_modes(shape, values, (angles[0], angles[1], angles[2]), tolerance)
+        return plain_points_to_modes(shape, values, angles, tolerance)
 
     return _by_platform(built, plain, values, *angles)
 
 
 def modes_to_points(
-    modes: Complex[Array, "part x y z"], angles: Angles, tolerance: float
+    modes: Complex[Array, "part *mode"], angles: Angles, tolerance: float
 ) -> Complex[Array, "part point"]:
     """Values at points of fields with these modes, to `tolerance` as `points_to_modes`."""
 
@@ -63,7 +63,7 @@ def modes_to_points(
         return found
 
     def plain(modes: Array, *angles: Array) -> Array:
-        return plain_modes_to_points(modes, (angles[0], angles[1], angles[2]), tolerance)
+        return plain_modes_to_points(modes, angles, tolerance)
 
     return _by_platform(built, plain, modes, *angles)
 
@@ -78,7 +78,7 @@ def _by_platform(
 
 def plain_points_to_modes(
     shape: Shape, values: Complex[Array, "part point"], angles: Angles, tolerance: float
-) -> Complex[Array, "part x y z"]:
+) -> Complex[Array, "part *mode"]:
     """The same by JAX alone."""
     width, sizes = _kernel_width(tolerance), _sizes(shape, tolerance)
     grid = jnp.zeros((len(values), math.prod(sizes)), dtype=complex)
@@ -89,37 +89,41 @@ def plain_points_to_modes(
         return grid.at[:, places.ravel()].add(spread.reshape(len(grid), -1)), None
 
     count = values.shape[1]
-    batch = max(1, min(count, MOST_VALUES // (len(values) * width**3)))
+    batch = max(1, min(count, MOST_VALUES // (len(values) * width ** len(shape))))
     grid, _ = jax.lax.scan(add, grid, (_batches(values.T, batch), _batches(_stack(angles), batch)))
-    transformed = jnp.fft.fftn(grid.reshape(-1, *sizes), axes=(1, 2, 3))
+    transformed = jnp.fft.fftn(grid.reshape(-1, *sizes), axes=_axes(shape))
     return _chosen(transformed, shape) / _kernel_modes(shape, sizes, width)
 
 
 def plain_modes_to_points(
-    modes: Complex[Array, "part x y z"], angles: Angles, tolerance: float
+    modes: Complex[Array, "part *mode"], angles: Angles, tolerance: float
 ) -> Complex[Array, "part point"]:
     """The same by JAX alone."""
     parts, *counts = modes.shape
-    shape = (counts[0], counts[1], counts[2])
+    shape = tuple(counts)
     width, sizes = _kernel_width(tolerance), _sizes(shape, tolerance)
     divided = modes / _kernel_modes(shape, sizes, width)
     # Not by setting elements: XLA does that for complex numbers on GPUs one by one.
     missing = (size - n for n, size in zip(shape, sizes, strict=True))
     padded = jnp.pad(divided, ((0, 0), *((0, each) for each in missing)))
-    padded = jnp.roll(padded, [-(n // 2) for n in shape], axis=(1, 2, 3))
-    grid = jnp.fft.ifftn(padded, axes=(1, 2, 3), norm="forward").reshape(parts, -1)
+    padded = jnp.roll(padded, [-(n // 2) for n in shape], axis=_axes(shape))
+    grid = jnp.fft.ifftn(padded, axes=_axes(shape), norm="forward").reshape(parts, -1)
 
     def take(angles: Array) -> Array:
         places, weights = _spread(angles, sizes, width)
         return jnp.einsum("apk,pk->pa", grid[:, places], weights)
 
     count = len(angles[0])
-    batch = max(1, min(count, MOST_VALUES // (parts * width**3)))
+    batch = max(1, min(count, MOST_VALUES // (parts * width ** len(shape))))
     found = jax.lax.map(take, _batches(_stack(angles), batch))
     return found.reshape(-1, parts)[:count].T
 
 
-def _stack(angles: Angles) -> Float[Array, "point 3"]:
+def _axes(shape: Shape) -> tuple[int, ...]:
+    return tuple(range(1, len(shape) + 1))
+
+
+def _stack(angles: Angles) -> Float[Array, "point axis"]:
     return jnp.stack(angles, axis=1)
 
 
@@ -132,18 +136,18 @@ def _batches(values: Array, batch: int) -> Array:
 
 def _spread(angles: Array, sizes: Shape, width: int) -> tuple[Array, Array]:
     """Numbers of the grid points that each point reaches, and the kernel there [point, grid]."""
-    along = []
+    places = jnp.zeros((len(angles), 1), dtype=int)
+    weights = jnp.ones((len(angles), 1))
     for axis, size in enumerate(sizes):
         turns = angles[:, axis] / (2.0 * math.pi)
         place = size * (turns - jnp.floor(turns))
         first = jnp.ceil(place - 0.5 * width)
         numbers = first[:, None] + jnp.arange(width)
-        along.append((numbers.astype(int) % size, _kernel(numbers - place[:, None], width)))
-    (x, of_x), (y, of_y), (z, of_z) = along
-    rows = x[:, :, None] * sizes[1] + y[:, None, :]
-    places = rows[..., None] * sizes[2] + z[:, None, None, :]
-    weights = of_x[:, :, None, None] * of_y[:, None, :, None] * of_z[:, None, None, :]
-    return places.reshape(len(angles), -1), weights.reshape(len(angles), -1)
+        along = numbers.astype(int) % size
+        places = (places[:, :, None] * size + along[:, None]).reshape(len(angles), -1)
+        kernel = _kernel(numbers - place[:, None], width)
+        weights = (weights[:, :, None] * kernel[:, None]).reshape(len(angles), -1)
+    return places, weights
 
 
 def _kernel(distance: Array, width: int) -> Array:
@@ -160,10 +164,9 @@ def _kernel_width(tolerance: float) -> int:
 
 def _sizes(shape: Shape, tolerance: float) -> Shape:
     least = 2 * _kernel_width(tolerance)
-    x, y, z = (
+    return tuple(
         next_fast_len(max(least, math.ceil(UPSAMPLING * count)), real=False) for count in shape
     )
-    return x, y, z
 
 
 def _numbers(count: int) -> np.ndarray:
@@ -177,9 +180,9 @@ def _chosen(transformed: Array, shape: Shape) -> Array:
     return transformed
 
 
-def _kernel_modes(shape: Shape, sizes: Shape, width: int) -> Float[np.ndarray, "x y z"]:
-    x, y, z = (_kernel_mode(n, size, width) for n, size in zip(shape, sizes, strict=True))
-    return x[:, None, None] * y[:, None] * z
+def _kernel_modes(shape: Shape, sizes: Shape, width: int) -> Float[np.ndarray, " *mode"]:
+    along = (_kernel_mode(n, size, width) for n, size in zip(shape, sizes, strict=True))
+    return reduce(np.multiply.outer, along)
 
 
 @cache

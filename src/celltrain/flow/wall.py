@@ -10,9 +10,9 @@ exp(i(m theta + k z)), k != 0, in the components (u_r, u_theta/i, u_z/i) and wit
 turned for negative m and k: those of Happel & Brenner 1983, section 3.3, recombined, as theirs
 become parallel as k -> 0. For m = 0 the first two are replaced by (I_1, 0, I_0) and (0, I_1, 0),
 and the third by (x I_2, 0, x I_1). For k = 0, u_z ~ r^|m| and (u_r, u_theta) are combinations of
-r^(|m| - 1) and r^(|m| + 1); for m = 0 only a rigid rotation. The radial functions are kept as
-Chebyshev coefficients, which makes the evaluation at any point a Fourier sum in theta, z and
-arccos(r/R).
+r^(|m| - 1) and r^(|m| + 1); for m = 0 only a rigid rotation. The radial functions are kept at
+Chebyshev nodes in 0 <= r <= R. The flow at any point is that on the cylinders of all nodes, Fourier
+sums in theta and z, interpolated in r.
 """
 
 import math
@@ -28,6 +28,9 @@ from celltrain.runtime import constant
 
 # Points across a strip along the tube.
 STRIP = 8
+# Pairs of Chebyshev nodes beyond those that the steepest radial function asks for: the error of the
+# interpolation is a hundredth of the tolerance and less.
+MORE = 2
 # Bessel functions of the wall's modes below this are not formed: they would underflow.
 LEAST_BESSEL = 1e-200
 
@@ -120,27 +123,26 @@ def _uniform_response(order: int, radius: float, nodes: np.ndarray) -> np.ndarra
 class TubeWall(eqx.Module):
     """Wall points and the regular flow that takes given values there.
 
-    `response` holds the Chebyshev coefficients (degree below 2 * nodes, of the parity of the
-    function) for each azimuthal number and axial wave number, [out, in, m, k, chebyshev]; both
-    numbers go from -n to n.
+    `response` holds the radial functions at Chebyshev nodes (`_radii`) for each azimuthal number,
+    from -n to n, and axial wave number, from 0 on: [out, in, node, m, k].
     """
 
     tolerance: float = eqx.field(static=True)
     radius: Float[Array, ""]
     period: Float[Array, ""]
-    response: Float[Array, "3 3 m k chebyshev"]
+    response: Float[Array, "3 3 node m k"]
 
     @property
     def azimuths(self) -> int:
         """Number of points around the wall, and of azimuthal numbers."""
-        return self.response.shape[2]
+        return self.response.shape[3]
 
     @property
     def rings(self) -> int:
-        """Number of points along the wall, and of axial wave numbers."""
-        return self.response.shape[3]
+        """Number of points along the wall, and of axial wave numbers of both signs."""
+        return 2 * self.response.shape[4] - 1
 
-    def points(self) -> Float[Array, "k m 3"]:
+    def points(self) -> Float[Array, "z azimuth 3"]:
         """Wall points [z, theta, 3]: uniform, as many as modes."""
         theta = 2.0 * math.pi * jnp.arange(self.azimuths) / self.azimuths
         z = self.period * jnp.arange(self.rings) / self.rings
@@ -162,24 +164,27 @@ class TubeWall(eqx.Module):
         z, theta = np.divmod(np.arange(rows * columns), columns)
         return points.reshape(count, -1), (theta // STRIP * rows + z) * STRIP + theta % STRIP
 
-    def regular_flow(self, boundary: Float[Array, "k m 3"]) -> Complex[Array, "3 m k chebyshev"]:
-        """Coefficients of the cylindrical components of the flow with this boundary velocity."""
+    def regular_flow(self, boundary: Float[Array, "z azimuth 3"]) -> Complex[Array, "3 node m k"]:
+        """Modes on the cylinders of the cylindrical components of the flow with these velocities.
+
+        Waves of negative k are left out: the components are real.
+        """
         theta = 2.0 * math.pi * jnp.arange(self.azimuths) / self.azimuths
         u_x, u_y, u_z = (boundary[..., i] for i in range(3))
         cylindrical = jnp.stack(
             [
-                u_x * jnp.cos(theta) + u_y * jnp.sin(theta) + 0j,
-                -1j * (u_y * jnp.cos(theta) - u_x * jnp.sin(theta)),
-                -1j * u_z,
+                u_x * jnp.cos(theta) + u_y * jnp.sin(theta),
+                u_y * jnp.cos(theta) - u_x * jnp.sin(theta),
+                u_z,
             ]
         )
-        modes = jnp.fft.fft2(cylindrical, norm="forward")
-        modes = jnp.fft.fftshift(modes, axes=(1, 2)).swapaxes(1, 2)
-        solved = jnp.einsum("oimkn,imk->omkn", self.response, modes)
-        return solved * jnp.array([1.0, 1j, 1j]).reshape(3, 1, 1, 1)
+        modes = jnp.fft.rfft2(jnp.swapaxes(cylindrical, 1, 2), norm="forward")
+        turns = jnp.array([1.0, 1j, 1j]).reshape(3, 1, 1, 1)
+        modes = jnp.fft.fftshift(modes, axes=1)[:, None] / turns
+        return turns * sum(self.response[:, i] * modes[i] for i in range(3))
 
     def velocity(
-        self, points: Float[Array, "point 3"], flow: Complex[Array, "3 m k chebyshev"]
+        self, points: Float[Array, "point 3"], flow: Complex[Array, "3 node m k"]
     ) -> Float[Array, "point 3"]:
         """The flow at points inside the tube."""
         # On the axis the cylindrical components have no direction: step off it by 1e-9.
@@ -187,18 +192,42 @@ class TubeWall(eqx.Module):
         points = points.at[:, 0].add(jnp.where(on_axis, 1e-9, 0.0))
         radius = jnp.sqrt(points[:, 0] ** 2 + points[:, 1] ** 2)
         theta = jnp.arctan2(points[:, 1], points[:, 0])
-        psi = jnp.arccos(jnp.clip(radius / self.radius, 0.0, 1.0))
-        # sum_n c_n cos(n psi) as a Fourier sum over -n .. n.
-        half = 0.5 * flow
-        both = jnp.concatenate([half[..., :0:-1], flow[..., :1], half[..., 1:]], axis=-1)
         angle_z = 2.0 * math.pi * (points[:, 2] / self.period)
         angle_z = angle_z - 2.0 * math.pi * jnp.round(points[:, 2] / self.period)
-        # The components are real: two of them share one complex transform.
-        pairs = jnp.stack([both[0] + 1j * both[1], both[2]])
-        sums = modes_to_points(pairs, (theta, angle_z, psi), self.tolerance)
-        u_r, u_theta, u_z = sums[0].real, sums[0].imag, sums[1].real
+        # The fields are real: two of them share one complex transform.
+        fields = _in_pairs(flow.reshape(-1, *flow.shape[2:]))
+        sums = modes_to_points(fields, (theta, angle_z), self.tolerance)
+        on_cylinders = jnp.stack([sums.real, sums.imag], axis=1).reshape(*flow.shape[:2], -1)
+        weights = _interpolation(radius, self.radius, flow.shape[1])
+        u_r, u_theta, u_z = jnp.einsum("onp,pn->op", on_cylinders, weights)
         cosine, sine = points[:, 0] / radius, points[:, 1] / radius
         return jnp.stack([u_r * cosine - u_theta * sine, u_r * sine + u_theta * cosine, u_z], -1)
+
+
+def _in_pairs(modes: Complex[Array, "field m k"]) -> Complex[Array, "pair m wave"]:
+    """All modes of a_0 + i a_1, a_2 + i a_3, ..., from those with k >= 0 of real fields a."""
+    mirrored = jnp.conj(modes[:, ::-1, :0:-1])
+    both = jnp.concatenate([mirrored, modes], axis=-1)
+    return both[0::2] + 1j * both[1::2]
+
+
+def _angles(count: int) -> Float[np.ndarray, " node"]:
+    """Of Chebyshev nodes; the radius is R cos^2(psi/2)."""
+    return (np.arange(count) + 0.5) * np.pi / count
+
+
+def _interpolation(
+    radius: Float[Array, " point"], largest: Float[Array, ""], count: int
+) -> Float[Array, "point node"]:
+    """Weights of values at the nodes in the polynomial through them."""
+    # Both sides of r/R = cos^2(psi/2), so that no digits are lost near the axis or the wall.
+    inside = jnp.maximum(largest - radius, 1e-300)
+    psi = 2.0 * jnp.arctan2(jnp.sqrt(inside), jnp.sqrt(radius))
+    orders = np.arange(count)
+    to_chebyshev = np.cos(np.outer(orders, _angles(count))) * (2.0 / count)
+    to_chebyshev[0] *= 0.5
+    found: Array = jnp.cos(orders * psi[:, None]) @ constant(to_chebyshev)
+    return found
 
 
 def tube_wall(radius: float, period: float, *, wall_gap: float, tolerance: float) -> TubeWall:
@@ -210,9 +239,9 @@ def tube_wall(radius: float, period: float, *, wall_gap: float, tolerance: float
     largest = -math.log(tolerance) / (1.4 * wall_gap)
     orders = math.ceil(largest * radius)
     waves = math.ceil(largest * period / (2.0 * math.pi))
-    # Chebyshev degree for exp(k R x) to the tolerance, k the largest wave number.
-    steep = largest * radius
-    nodes = math.ceil(0.5 * math.sqrt(2.0 * steep * -math.log(tolerance))) + 8
+    # As many as the polynomial of exp(k (r - R)), k the largest wave number, has coefficients above
+    # the tolerance; even, as two fields share a transform.
+    nodes = 2 * math.ceil(0.5 * math.sqrt(largest * radius * -math.log(tolerance)) + MORE)
     return TubeWall(
         tolerance=tolerance,
         radius=constant(float(radius)),
@@ -221,30 +250,22 @@ def tube_wall(radius: float, period: float, *, wall_gap: float, tolerance: float
     )
 
 
-def _responses(radius: float, period: float, orders: int, waves: int, count: int) -> np.ndarray:
-    """Chebyshev coefficients [out, in, m, k, chebyshev] of the radial functions of all modes.
+def _responses(
+    radius: float, period: float, orders: int, waves: int, count: int
+) -> Float[np.ndarray, "3 3 node m k"]:
+    """The radial functions at the nodes, of all modes with k >= 0.
 
-    Those of -m and -k follow from those of m and k: with each sign a component changes its own.
+    Those of -m follow from those of m, as a component changes its sign.
     """
-    full = 2 * count
-    psi = (np.arange(count) + 0.5) * np.pi / full
-    nodes = radius * np.cos(psi)
-    to_chebyshev = np.cos(np.outer(np.arange(full), psi)) * (4.0 / full)
-    to_chebyshev[0] *= 0.5
-    # By symmetry the other half of the nodes doubles coefficients of the right parity.
-    even = (np.arange(full) % 2 == 0)[:, None]
-    numbers = np.arange(-waves, waves + 1)
-    direction = np.where(numbers < 0, -1.0, 1.0)[:, None]
+    nodes = radius * np.cos(0.5 * _angles(count)) ** 2
     k = 2.0 * np.pi * np.arange(1, waves + 1) / period
-    response = np.zeros((3, 3, 2 * orders + 1, 2 * waves + 1, full))
+    response = np.empty((3, 3, count, 2 * orders + 1, waves + 1))
+    turned = np.array([1.0, -1.0, 1.0])
+    signs = np.outer(turned, turned)[..., None, None]
     for m in range(orders + 1):
         uniform = _uniform_response(m, radius, nodes)
         values = np.concatenate([uniform[None], _axial_response(m, k, radius, nodes)])
-        along = to_chebyshev * (even if m % 2 == 0 else ~even)
-        across = to_chebyshev * (even if m % 2 else ~even)
-        for o, i in np.ndindex(3, 3):
-            found = (values[:, o, i] @ (along if o == 2 else across).T)[np.abs(numbers)]
-            found *= direction if (o == 2) != (i == 2) else 1.0
-            response[o, i, orders - m] = -found if (o == 1) != (i == 1) else found
-            response[o, i, orders + m] = found
+        found = np.moveaxis(values, 0, -1)
+        response[..., orders - m, :] = signs * found
+        response[..., orders + m, :] = found
     return response
