@@ -16,6 +16,7 @@ sums in theta and z, interpolated in r.
 """
 
 import math
+from typing import TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -23,7 +24,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 from scipy.special import hyp0f1, ive
 
-from celltrain.flow.nonuniform import modes_to_points
+from celltrain.flow.nonuniform import Angles, modes_to_points
 from celltrain.runtime import constant
 
 # Points across a strip along the tube.
@@ -120,27 +121,32 @@ def _uniform_response(order: int, radius: float, nodes: np.ndarray) -> np.ndarra
     return response
 
 
+#: Modes of a flow on the cylinders of each layer, [component, node, m, k].
+RegularFlow: TypeAlias = tuple[Complex[Array, "3 _ _ _"], ...]
+
+
 class TubeWall(eqx.Module):
     """Wall points and the regular flow that takes given values there.
 
-    `response` holds the radial functions at Chebyshev nodes (`_radii`) for each azimuthal number,
-    from -n to n, and axial wave number, from 0 on: [out, in, node, m, k].
+    `response` holds the radial functions at Chebyshev nodes for each azimuthal number, from -n to
+    n, and axial wave number, from 0 on: [out, in, node, m, k]. Nodes are in layers, from the wall
+    inwards, each with half as many numbers as the one before, as short waves do not reach far.
     """
 
     tolerance: float = eqx.field(static=True)
     radius: Float[Array, ""]
     period: Float[Array, ""]
-    response: Float[Array, "3 3 node m k"]
+    response: tuple[Float[Array, "3 3 _ _ _"], ...]
 
     @property
     def azimuths(self) -> int:
         """Number of points around the wall, and of azimuthal numbers."""
-        return self.response.shape[3]
+        return self.response[0].shape[3]
 
     @property
     def rings(self) -> int:
         """Number of points along the wall, and of axial wave numbers of both signs."""
-        return 2 * self.response.shape[4] - 1
+        return 2 * self.response[0].shape[4] - 1
 
     def points(self) -> Float[Array, "z azimuth 3"]:
         """Wall points [z, theta, 3]: uniform, as many as modes."""
@@ -164,8 +170,8 @@ class TubeWall(eqx.Module):
         z, theta = np.divmod(np.arange(rows * columns), columns)
         return points.reshape(count, -1), (theta // STRIP * rows + z) * STRIP + theta % STRIP
 
-    def regular_flow(self, boundary: Float[Array, "z azimuth 3"]) -> Complex[Array, "3 node m k"]:
-        """Modes on the cylinders of the cylindrical components of the flow with these velocities.
+    def regular_flow(self, boundary: Float[Array, "z azimuth 3"]) -> RegularFlow:
+        """Modes of the cylindrical components of the flow with these velocities, by layer.
 
         Waves of negative k are left out: the components are real.
         """
@@ -181,12 +187,16 @@ class TubeWall(eqx.Module):
         modes = jnp.fft.rfft2(jnp.swapaxes(cylindrical, 1, 2), norm="forward")
         turns = jnp.array([1.0, 1j, 1j]).reshape(3, 1, 1, 1)
         modes = jnp.fft.fftshift(modes, axes=1)[:, None] / turns
-        return turns * sum(self.response[:, i] * modes[i] for i in range(3))
+        found = []
+        for each in self.response:
+            m, k = each.shape[3:]
+            left_out = (self.azimuths - m) // 2
+            kept = modes[..., left_out : left_out + m, :k]
+            found.append(turns * sum(each[:, i] * kept[i] for i in range(3)))
+        return tuple(found)
 
-    def velocity(
-        self, points: Float[Array, "point 3"], flow: Complex[Array, "3 node m k"]
-    ) -> Float[Array, "point 3"]:
-        """The flow at points inside the tube."""
+    def velocity(self, points: Float[Array, "point 3"], flow: RegularFlow) -> Array:
+        """The flow at points inside the tube, [point, 3]."""
         # On the axis the cylindrical components have no direction: step off it by 1e-9.
         on_axis = points[:, 0] ** 2 + points[:, 1] ** 2 < 1e-18
         points = points.at[:, 0].add(jnp.where(on_axis, 1e-9, 0.0))
@@ -194,14 +204,20 @@ class TubeWall(eqx.Module):
         theta = jnp.arctan2(points[:, 1], points[:, 0])
         angle_z = 2.0 * math.pi * (points[:, 2] / self.period)
         angle_z = angle_z - 2.0 * math.pi * jnp.round(points[:, 2] / self.period)
-        # The fields are real: two of them share one complex transform.
-        fields = _in_pairs(flow.reshape(-1, *flow.shape[2:]))
-        sums = modes_to_points(fields, (theta, angle_z), self.tolerance)
-        on_cylinders = jnp.stack([sums.real, sums.imag], axis=1).reshape(*flow.shape[:2], -1)
-        weights = _interpolation(radius, self.radius, flow.shape[1])
+        on_cylinders = jnp.concatenate(
+            [self._on_cylinders(each, (theta, angle_z)) for each in flow], axis=1
+        )
+        weights = _interpolation(radius, self.radius, on_cylinders.shape[1])
         u_r, u_theta, u_z = jnp.einsum("onp,pn->op", on_cylinders, weights)
         cosine, sine = points[:, 0] / radius, points[:, 1] / radius
         return jnp.stack([u_r * cosine - u_theta * sine, u_r * sine + u_theta * cosine, u_z], -1)
+
+    def _on_cylinders(self, flow: Array, angles: Angles) -> Float[Array, "3 node point"]:
+        """The components of a layer's flow at angles theta and z on the cylinders of its nodes."""
+        # The fields are real: two of them share one complex transform.
+        fields = _in_pairs(flow.reshape(-1, *flow.shape[2:]))
+        sums = modes_to_points(fields, angles, self.tolerance)
+        return jnp.stack([sums.real, sums.imag], axis=1).reshape(*flow.shape[:2], -1)
 
 
 def _in_pairs(modes: Complex[Array, "field m k"]) -> Complex[Array, "pair m wave"]:
@@ -211,7 +227,7 @@ def _in_pairs(modes: Complex[Array, "field m k"]) -> Complex[Array, "pair m wave
     return both[0::2] + 1j * both[1::2]
 
 
-def _angles(count: int) -> Float[np.ndarray, " node"]:
+def _node_angles(count: int) -> Float[np.ndarray, " node"]:
     """Of Chebyshev nodes; the radius is R cos^2(psi/2)."""
     return (np.arange(count) + 0.5) * np.pi / count
 
@@ -224,7 +240,7 @@ def _interpolation(
     inside = jnp.maximum(largest - radius, 1e-300)
     psi = 2.0 * jnp.arctan2(jnp.sqrt(inside), jnp.sqrt(radius))
     orders = np.arange(count)
-    to_chebyshev = np.cos(np.outer(orders, _angles(count))) * (2.0 / count)
+    to_chebyshev = np.cos(np.outer(orders, _node_angles(count))) * (2.0 / count)
     to_chebyshev[0] *= 0.5
     found: Array = jnp.cos(orders * psi[:, None]) @ constant(to_chebyshev)
     return found
@@ -237,29 +253,39 @@ def tube_wall(radius: float, period: float, *, wall_gap: float, tolerance: float
     exp(-k wall_gap), and so does their effect back there; both are resolved to `tolerance`.
     """
     largest = -math.log(tolerance) / (1.4 * wall_gap)
-    orders = math.ceil(largest * radius)
-    waves = math.ceil(largest * period / (2.0 * math.pi))
     # As many as the polynomial of exp(k (r - R)), k the largest wave number, has coefficients above
     # the tolerance; even, as two fields share a transform.
-    nodes = 2 * math.ceil(0.5 * math.sqrt(largest * radius * -math.log(tolerance)) + MORE)
+    pairs = math.ceil(0.5 * math.sqrt(largest * radius * -math.log(tolerance)) + MORE)
+    angles = _node_angles(2 * pairs)
+    depths = radius * np.sin(0.5 * angles[::2]) ** 2
+    halvings = np.log2(np.maximum(0.5 * (1.0 + depths / wall_gap), 1.0)).astype(int)
     return TubeWall(
         tolerance=tolerance,
         radius=constant(float(radius)),
         period=constant(float(period)),
-        response=constant(_responses(radius, period, orders, waves, nodes)),
+        response=tuple(
+            constant(
+                _responses(
+                    radius, period, largest / 2**each, angles.reshape(-1, 2)[halvings == each]
+                )
+            )
+            for each in np.unique(halvings)
+        ),
     )
 
 
 def _responses(
-    radius: float, period: float, orders: int, waves: int, count: int
+    radius: float, period: float, largest: float, angles: np.ndarray
 ) -> Float[np.ndarray, "3 3 node m k"]:
-    """The radial functions at the nodes, of all modes with k >= 0.
+    """The radial functions at nodes of some angles, of all modes with k >= 0 up to the largest.
 
     Those of -m follow from those of m, as a component changes its sign.
     """
-    nodes = radius * np.cos(0.5 * _angles(count)) ** 2
+    orders = math.ceil(largest * radius)
+    waves = math.ceil(largest * period / (2.0 * math.pi))
+    nodes = radius * np.cos(0.5 * angles.ravel()) ** 2
     k = 2.0 * np.pi * np.arange(1, waves + 1) / period
-    response = np.empty((3, 3, count, 2 * orders + 1, waves + 1))
+    response = np.empty((3, 3, nodes.size, 2 * orders + 1, waves + 1))
     turned = np.array([1.0, -1.0, 1.0])
     signs = np.outer(turned, turned)[..., None, None]
     for m in range(orders + 1):
