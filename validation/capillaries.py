@@ -1,11 +1,12 @@
 """Capillaries: viscosity, velocity and film of trains beside measurement and lubrication theory.
 
 And whether these trains are stable. The trains are kept; from nothing ten minutes on two cores
-(`capillary_trains`).
+(`capillary_trains`), and thirty more the searches (`capillary_searches`).
 """
 
 import capillary_dense
 import capillary_films
+import capillary_searches
 import capillary_trains as trains
 import numpy as np
 import xarray as xr
@@ -46,6 +47,7 @@ is its difference from the lower one.
     capillary_films.section(page, films, stable)
     _stability(page, stable)
     capillary_dense.section(page)
+    capillary_searches.section(page)
     page.figure(
         _figure(measured, stable),
         "Viscosity and the cells' velocity (dots: trains, lines: laws); the film over the speed,"

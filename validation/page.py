@@ -66,10 +66,11 @@ class Page:
     def write(self) -> Path:
         """Write the page; returns its path."""
         minutes = (time.perf_counter() - self.begin) / 60.0
+        took = f"in {minutes:.1f} minutes" if minutes >= 0.1 else "from data that were kept,"
         footer = (
             f"Made by `python validation/run.py {self.name}` on"
             f" {datetime.now(UTC).strftime('%Y-%m-%d')} with celltrain {__version__},"
-            f" in {minutes:.1f} minutes on {len(os.sched_getaffinity(0))} cores."
+            f" {took} on {len(os.sched_getaffinity(0))} cores."
         )
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / f"{self.name}.md"
