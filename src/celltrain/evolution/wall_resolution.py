@@ -10,7 +10,7 @@ from celltrain.evolution.ending import StepFailed
 
 # Distances from the wall (r0) above this one cost about as much as this one.
 LARGEST = 0.8
-# At this one the wall's part takes most of the time and of the memory (about 1 GiB).
+# At this one the wall's part takes most of the time, and 0.7 GiB more than at the largest.
 SMALLEST = 0.1
 # Coarser again when cells are this many times farther away than the coarser distance.
 EASE = 1.5
