@@ -80,7 +80,7 @@ def test_every_number_of_a_file_says_what_it_is(
     path = save(make_stability(), tmp_path / "result.nc")
     known = {name: quantity_of(kind, field).meaning for name, kind, field in walk(Stability)}
     seen = set()
-    with xr.open_dataset(path, engine="netcdf4") as data:
+    with xr.open_dataset(path, engine="h5netcdf") as data:
         for name, variable in data.variables.items():
             stem = re.sub(r"(_m\d\d)?(_real|_imag)?$", "", str(name))
             if stem not in known:
@@ -203,7 +203,7 @@ def test_what_has_no_form_in_files_is_refused() -> None:
 
 def test_file_describes_itself(make_stability: Callable[..., Stability], tmp_path: Path) -> None:
     path = save(make_stability(), tmp_path / "result.nc")
-    with xr.open_dataset(path, engine="netcdf4") as data:
+    with xr.open_dataset(path, engine="h5netcdf") as data:
         assert data.attrs["kind"] == "stability"
         assert "diameter = 6.0" in str(data["base_train"].values)
         assert data.attrs["celltrain_version"]
@@ -234,7 +234,7 @@ def test_missing_folder_is_an_error(make_base: Callable[..., Base], tmp_path: Pa
 
 def test_foreign_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "foreign.nc"
-    xr.Dataset({"x": ("y", np.arange(3))}).to_netcdf(path, engine="netcdf4")
+    xr.Dataset({"x": ("y", np.arange(3))}).to_netcdf(path, engine="h5netcdf")
     with pytest.raises(ValueError, match="holds no result"):
         load(path)
 
@@ -245,14 +245,14 @@ def test_a_file_of_another_version_says_so(
     data = to_dataset(make_stability())
     data.attrs["celltrain_version"] = "0.0.9"
     path = tmp_path / "other.nc"
-    data.drop_vars("convergence_degrees").to_netcdf(path, engine="netcdf4")
+    data.drop_vars("convergence_degrees").to_netcdf(path, engine="h5netcdf")
     with pytest.raises(OSError, match=r"celltrain 0\.0\.9 and lacks .*convergence_degrees"):
         load(path)
     for form, words in ((FORM - 1, "an older form .* computed anew"), (FORM + 1, "a newer form")):
-        data.assign_attrs(form=form).to_netcdf(path, engine="netcdf4")
+        data.assign_attrs(form=form).to_netcdf(path, engine="h5netcdf")
         with pytest.raises(OSError, match=rf"celltrain 0\.0\.9 in {words}"):
             load(path)
-    data.assign_attrs(kind="riddle").to_netcdf(path, engine="netcdf4")
+    data.assign_attrs(kind="riddle").to_netcdf(path, engine="h5netcdf")
     with pytest.raises(ValueError, match="kind 'riddle'; known are: base, boundary"):
         load(path)
     with pytest.raises(ValueError, match="it holds no base, but: stability"):

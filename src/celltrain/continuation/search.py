@@ -133,8 +133,9 @@ def search_trains(
     - `degree`: of the search; unless given the first that serves in such a tube, or the known
       train's if that is lower. What is found is followed to the known train's degree if that is
       higher, and to one half as high again if not.
-    - `most_tries`: bound on the number of tries; each takes up to `tries.most_evaluations`, a
-      fiftieth of a second each at degree 12 and up to sixteen times that.
+    - `most_tries`: bound on the number of tries; each by deflation takes up to
+      `tries.most_evaluations`, a fiftieth of a second each at degree 12 and up to sixteen times
+      that.
     - `progress`: called with every try.
 
     **Raises:** `CaseError` for a number of tries or a degree that is not allowed.

@@ -1,10 +1,10 @@
 """Tries of a search for steady trains, by a train's own flow or by Newton's method with deflation.
 
-The flow from a guess leads to a train that is stable to axisymmetric disturbances alike in all
-cells, often the known one. Newton's method with the known trains deflated (see `deflation`) also
-leads to others. Each try is bounded in steps, and passes by shapes whose evaluation takes many
-times that of the known train, which all but touch the wall or each other or are drawn out far
-beyond a cell.
+The flow from a guess leads mostly to the known train; Newton's method, which ends the march, may
+lead to another one near by, a stable one or not. Newton's method with the known trains deflated
+(see `deflation`) leads to others, too. Each try is bounded in steps. Guesses are passed by, and by
+deflation all shapes, whose evaluation takes many times that of the known train: they all but touch
+the wall or each other or are drawn out far beyond a cell.
 """
 
 import math

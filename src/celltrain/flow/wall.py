@@ -30,7 +30,7 @@ from celltrain.runtime import constant
 # Points across a strip along the tube.
 STRIP = 8
 # Pairs of Chebyshev nodes beyond those that the steepest radial function asks for: the error of the
-# interpolation is a hundredth of the tolerance and less.
+# interpolation of cells' flows is below a hundredth of a tolerance of 1e-3 or less.
 MORE = 2
 # Bessel functions of the wall's modes below this are not formed: they would underflow.
 LEAST_BESSEL = 1e-200

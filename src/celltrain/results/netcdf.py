@@ -81,7 +81,7 @@ def write_dataset(data: xr.Dataset, path: Path) -> Path:
     # No fill values: every number is meant, and an infinite step is no gap in the data.
     encoding = {name: {"_FillValue": None} for name in data.variables}
     # Made in memory: when the disk is full, HDF5 leaves its file open and ends the process.
-    content = data.to_netcdf(None, engine="netcdf4", encoding=encoding)
+    content = data.to_netcdf(None, engine="h5netcdf", encoding=encoding)
     replace_file(path, lambda part: part.write_bytes(content))
     return path
 
@@ -94,7 +94,7 @@ def read_dataset(path: str | Path) -> xr.Dataset:
         ForeignFile: if it is not of this package.
     """
     try:
-        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as data:
+        with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
             data.load()
     except KeyError as error:
         raise ForeignFile(f"{str(path)!r} is not a netCDF file of results: {error}") from None
