@@ -144,12 +144,12 @@ def _words(done: list[Searched]) -> str:
 squeezed and bent, a bullet, a bullet with a dimple, a parachute, the known train turned round, of
 other packings, tubes and flows, and disturbed) along the train's own flow, and by Newton's method
 with the known train taken out. {outcome} In tubes from {WIDE:g} r0 on the flow leads from
-{_part(wide)} guesses to the known train, or to one found before it: also from a bullet and from a
-cell bent either way, so the form that is reached does not hang on where it begins. Of narrower
-tubes that is not shown: there {_part(tight)} guesses lead back, the others to no train.
-{alone} roots are trains at the degree of the search only, whose membranes buckle at the shortest
-waves that it has; {crossed} cross themselves, as the deepest parachutes do, which close. Not found
-is no proof: what these guesses tell is that the trains of this page are no choice among several.
+{_part(wide)} guesses to the known train, or to a root found before it, so the form that is reached
+mostly does not hang on where it begins. Of narrower tubes that is not shown: there {_part(tight)}
+guesses lead back, the others to no train. {alone} roots are trains at the degree of the search
+only, which no train of a higher degree continues; {crossed} are shapes that cross themselves. Not
+found is no proof: what these guesses tell is that the trains of this page are no choice among
+several.
 """
 
 

@@ -9,8 +9,8 @@ the wall or each other or are drawn out far beyond a cell.
 
 import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -56,76 +56,93 @@ class SearchTry(Record):
 Tried = tuple[SearchTry, Unknowns | None]
 
 
+@dataclass(frozen=True)
+class _End:
+    """Where a try has ended."""
+
+    outcome: str
+    steps: int = 0
+    residual: float = math.nan
+    root: Unknowns | None = None
+    base: Base | None = None
+
+
 def by_flow(
     name: str, profile: Profile, known: SteadyPoint, roots: Sequence[Unknowns], tries: Tries
 ) -> Tried:
     """From a guess along the train's own flow, in implicit steps (see `steady.iterate`)."""
-    begun = time.perf_counter()
-
-    def ended(outcome: str, steps: int, residual: float, base: Base | None = None) -> SearchTry:
-        seconds = time.perf_counter() - begun
-        return SearchTry(name, "flow", steps, seconds, outcome, residual, base)
-
-    if not known.problem.fits(profile):
-        return ended(ASTRAY["overlap"], 0, math.nan), None
-    if known.problem.rules(profile).work > MOST_WORK * known.state.flow.rules.work:
-        return ended("cells all but touch, or are drawn out too far", 0, math.nan), None
-    # Forces on the wildest shapes are no numbers, which end the march.
-    with np.errstate(over="ignore", invalid="ignore"):
-        found = march(known.problem, profile, tolerance=tries.tolerance, most=tries.most_flow_steps)
-    steps, residual = len(found.history), found.state.residual
-    if not found.steady:
-        return ended(ASTRAY[found.outcome], steps, residual), None
-    point = SteadyPoint(known.problem, found.state)
-    outcome, root, base = _told(
-        point, to_unknowns(found.state.profile), roots, f"the flow from {name}"
-    )
-    return ended(outcome, steps, residual, base), root
+    return _timed(_marched, "flow", name, profile, known, roots, tries)
 
 
 def by_deflation(
     name: str, profile: Profile, known: SteadyPoint, roots: Sequence[Unknowns], tries: Tries
 ) -> Tried:
     """From a guess by Newton's method with all known roots deflated."""
+    return _timed(_deflated, "deflation", name, profile, known, roots, tries)
+
+
+def _timed(
+    going: Callable[[Profile, SteadyPoint, Sequence[Unknowns], Tries], _End],
+    way: str,
+    name: str,
+    profile: Profile,
+    known: SteadyPoint,
+    roots: Sequence[Unknowns],
+    tries: Tries,
+) -> Tried:
     begun = time.perf_counter()
+    # Forces on the wildest shapes are no numbers, which end a march and shorten a step.
+    with np.errstate(over="ignore", invalid="ignore"):
+        end = going(profile, known, roots, tries)
+    base = None if end.base is None else replace(end.base, origin=f"a search by {way} from {name}")
+    seconds = time.perf_counter() - begun
+    return SearchTry(name, way, end.steps, seconds, end.outcome, end.residual, base), end.root
 
-    def ended(outcome: str, steps: int, residual: float, base: Base | None = None) -> SearchTry:
-        seconds = time.perf_counter() - begun
-        return SearchTry(name, "deflation", steps, seconds, outcome, residual, base)
 
+def _marched(profile: Profile, known: SteadyPoint, roots: Sequence[Unknowns], tries: Tries) -> _End:
+    problem = known.problem
+    if not problem.fits(profile):
+        return _End(ASTRAY["overlap"])
+    if problem.rules(profile).work > MOST_WORK * known.state.flow.rules.work:
+        return _End("cells all but touch, or are drawn out too far")
+    found = march(problem, profile, tolerance=tries.tolerance, most=tries.most_flow_steps)
+    steps, residual = len(found.history), found.state.residual
+    if not found.steady:
+        return _End(ASTRAY[found.outcome], steps, residual)
+    root = to_unknowns(found.state.profile)
+    return _told(SteadyPoint(problem, found.state), root, roots, steps, residual)
+
+
+def _deflated(
+    profile: Profile, known: SteadyPoint, roots: Sequence[Unknowns], tries: Tries
+) -> _End:
     start = to_unknowns(profile)
     if _apart(start, roots) < SAME:
-        return ended("the guess is a known train", 0, math.nan), None
+        return _End("the guess is a known train")
     most = MOST_WORK * known.state.flow.rules.work
 
     def equations(unknowns: Unknowns, near: SteadyPoint) -> Evaluation[SteadyPoint]:
         return evaluate_steady(near.problem, unknowns, near, most_work=most)
 
     try:
-        # Forces on the wildest shapes are no numbers, which no step takes for a fall.
-        with np.errstate(over="ignore", invalid="ignore"):
-            attempt = deflated_newton(equations, start, known, roots, tries)
+        attempt = deflated_newton(equations, start, known, roots, tries)
     except NoSolution as failure:
-        return ended(str(failure), 0, math.nan), None
-    error = attempt.evaluation.error
+        return _End(str(failure))
+    point, error = attempt.evaluation.state, attempt.evaluation.error
     if not attempt.converged:
-        return ended(attempt.reason, attempt.steps, error), None
-    point = attempt.evaluation.state
-    outcome, root, base = _told(
-        point, attempt.unknowns, roots, f"a search by deflation from {name}"
-    )
-    return ended(outcome, attempt.steps, error, base), root
+        return _End(attempt.reason, attempt.steps, error)
+    return _told(point, attempt.unknowns, roots, attempt.steps, error)
 
 
 def _told(
-    point: SteadyPoint, root: Unknowns, roots: Sequence[Unknowns], origin: str
-) -> tuple[str, Unknowns | None, Base | None]:
+    point: SteadyPoint, root: Unknowns, roots: Sequence[Unknowns], steps: int, residual: float
+) -> _End:
     """What a root is, the root if it is another one, and the train if it is the shape of a cell."""
     if _apart(root, roots) < SAME:
-        return BACK, None, None
+        return _End(BACK, steps, residual)
     if crosses_itself(point.state.profile):
-        return CROSSED, root, None
-    return "found another train", root, point.base(origin)
+        return _End(CROSSED, steps, residual, root)
+    return _End("found another train", steps, residual, root, point.base(""))
 
 
 def _apart(unknowns: Unknowns, roots: Sequence[Unknowns]) -> float:

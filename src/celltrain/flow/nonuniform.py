@@ -68,6 +68,22 @@ def modes_to_points(
     return _by_platform(built, plain, modes, *angles)
 
 
+def fields_at_points(
+    modes: Complex[Array, "field *mode"], angles: Angles, tolerance: float
+) -> Float[Array, "field point"]:
+    """Values at points of real fields, of which two share a transform, to `tolerance`."""
+    pairs = modes_to_points(in_pairs(modes), angles, tolerance)
+    both = jnp.stack([pairs.real, pairs.imag], axis=1)
+    return both.reshape(-1, both.shape[-1])[: len(modes)]
+
+
+def in_pairs(components: Array) -> Array:
+    """Components a_0 + i a_1, a_2 + i a_3, ..., for transforms of which each a is real."""
+    if components.shape[0] % 2:
+        components = jnp.concatenate([components, jnp.zeros_like(components[:1])])
+    return components[0::2] + 1j * components[1::2]
+
+
 def _by_platform(
     built: Callable[..., Array], plain: Callable[..., Array], *arguments: Array
 ) -> Array:

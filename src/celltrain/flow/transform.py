@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from celltrain.flow.ewald import EwaldSplit
-from celltrain.flow.nonuniform import Angles, modes_to_points, points_to_modes
+from celltrain.flow.nonuniform import Angles, fields_at_points, in_pairs, points_to_modes
 from celltrain.runtime import constant
 
 Points = Float[Array, "point 3"]
@@ -56,7 +56,7 @@ class Transform(eqx.Module):
 
     def _forth(self, points: Points, strengths: Float[Array, "point part"]) -> Modes:
         count = strengths.shape[1]
-        pairs = _in_pairs(strengths.T)
+        pairs = in_pairs(strengths.T)
         modes = points_to_modes(self.shape, pairs, self._angles(points), self.tolerance)
         # Transforms of real strengths a, b from that of a + i b, by their symmetry under k -> -k.
         mirrored = jnp.conj(modes[:, ::-1, ::-1, ::-1])
@@ -64,16 +64,7 @@ class Transform(eqx.Module):
         return both.reshape(-1, *self.shape)[:count]
 
     def _back(self, points: Points, modes: Modes) -> Float[Array, "point part"]:
-        pairs = modes_to_points(_in_pairs(modes), self._angles(points), self.tolerance)
-        fields = jnp.stack([pairs.real, pairs.imag], axis=1).reshape(-1, len(points))
-        return fields[: modes.shape[0]].T
-
-
-def _in_pairs(components: Array) -> Array:
-    """Components a_0 + i a_1, a_2 + i a_3, ..., for transforms of which each a is real."""
-    if components.shape[0] % 2:
-        components = jnp.concatenate([components, jnp.zeros_like(components[:1])])
-    return components[0::2] + 1j * components[1::2]
+        return fields_at_points(modes, self._angles(points), self.tolerance).T
 
 
 @jax.custom_jvp

@@ -24,14 +24,14 @@ import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 from scipy.special import hyp0f1, ive
 
-from celltrain.flow.nonuniform import Angles, modes_to_points
+from celltrain.flow.nonuniform import Angles, fields_at_points
 from celltrain.runtime import constant
 
 # Points across a strip along the tube.
 STRIP = 8
-# Pairs of Chebyshev nodes beyond those that the steepest radial function asks for: the error of the
+# Chebyshev nodes beyond those that the steepest radial function asks for: the error of the
 # interpolation of cells' flows is below a hundredth of a tolerance of 1e-3 or less.
-MORE = 2
+MORE = 4
 # Bessel functions of the wall's modes below this are not formed: they would underflow.
 LEAST_BESSEL = 1e-200
 
@@ -214,17 +214,11 @@ class TubeWall(eqx.Module):
 
     def _on_cylinders(self, flow: Array, angles: Angles) -> Float[Array, "3 node point"]:
         """The components of a layer's flow at angles theta and z on the cylinders of its nodes."""
-        # The fields are real: two of them share one complex transform.
-        fields = _in_pairs(flow.reshape(-1, *flow.shape[2:]))
-        sums = modes_to_points(fields, angles, self.tolerance)
-        return jnp.stack([sums.real, sums.imag], axis=1).reshape(*flow.shape[:2], -1)
-
-
-def _in_pairs(modes: Complex[Array, "field m k"]) -> Complex[Array, "pair m wave"]:
-    """All modes of a_0 + i a_1, a_2 + i a_3, ..., from those with k >= 0 of real fields a."""
-    mirrored = jnp.conj(modes[:, ::-1, :0:-1])
-    both = jnp.concatenate([mirrored, modes], axis=-1)
-    return both[0::2] + 1j * both[1::2]
+        fields = flow.reshape(-1, *flow.shape[2:])
+        # They are real: waves of negative k follow.
+        mirrored = jnp.conj(fields[:, ::-1, :0:-1])
+        both = jnp.concatenate([mirrored, fields], axis=-1)
+        return fields_at_points(both, angles, self.tolerance).reshape(*flow.shape[:2], -1)
 
 
 def _node_angles(count: int) -> Float[np.ndarray, " node"]:
@@ -254,23 +248,16 @@ def tube_wall(radius: float, period: float, *, wall_gap: float, tolerance: float
     """
     largest = -math.log(tolerance) / (1.4 * wall_gap)
     # As many as the polynomial of exp(k (r - R)), k the largest wave number, has coefficients above
-    # the tolerance; even, as two fields share a transform.
-    pairs = math.ceil(0.5 * math.sqrt(largest * radius * -math.log(tolerance)) + MORE)
-    angles = _node_angles(2 * pairs)
-    depths = radius * np.sin(0.5 * angles[::2]) ** 2
+    # the tolerance.
+    angles = _node_angles(math.ceil(math.sqrt(largest * radius * -math.log(tolerance))) + MORE)
+    depths = radius * np.sin(0.5 * angles) ** 2
     halvings = np.log2(np.maximum(0.5 * (1.0 + depths / wall_gap), 1.0)).astype(int)
+    layers = [(largest / 2**each, angles[halvings == each]) for each in np.unique(halvings)]
     return TubeWall(
         tolerance=tolerance,
         radius=constant(float(radius)),
         period=constant(float(period)),
-        response=tuple(
-            constant(
-                _responses(
-                    radius, period, largest / 2**each, angles.reshape(-1, 2)[halvings == each]
-                )
-            )
-            for each in np.unique(halvings)
-        ),
+        response=tuple(constant(_responses(radius, period, *each)) for each in layers),
     )
 
 
@@ -283,7 +270,7 @@ def _responses(
     """
     orders = math.ceil(largest * radius)
     waves = math.ceil(largest * period / (2.0 * math.pi))
-    nodes = radius * np.cos(0.5 * angles.ravel()) ** 2
+    nodes = radius * np.cos(0.5 * angles) ** 2
     k = 2.0 * np.pi * np.arange(1, waves + 1) / period
     response = np.empty((3, 3, nodes.size, 2 * orders + 1, waves + 1))
     turned = np.array([1.0, -1.0, 1.0])
