@@ -29,7 +29,7 @@ from rich.table import Table
 
 from celltrain import Run, Train, evolve, stability, steady
 from celltrain.evolution import (
-    ExponentialRungeKutta,
+    ExponentialAdams,
     ForwardEuler,
     Integrator,
     Leading,
@@ -117,7 +117,7 @@ def exponential_memory(
 ) -> ExponentialMemory:
     """The memory of the exponential method with the same first step."""
     step = with_step(memory, tolerance).step
-    return replace(ExponentialRungeKutta(tolerance).begin(state), step=step)
+    return replace(ExponentialAdams(tolerance).begin(state), step=step)
 
 
 def error(found: March, reference: March) -> float:
@@ -146,7 +146,7 @@ def main() -> None:
     assert isinstance(run.memory, ChebyshevMemory)
     methods: dict[str, tuple[Integrator, State, Memory, float]] = {
         f"exponential, tolerance {tolerance:g}": (
-            ExponentialRungeKutta(tolerance),
+            ExponentialAdams(tolerance),
             state,
             exponential_memory(run.memory, state, tolerance),
             options.window,

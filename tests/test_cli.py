@@ -13,6 +13,7 @@ import pytest
 from celltrain.analyses import base as command
 from celltrain.cli import compute, main
 from celltrain.cli.app import COMMANDS
+from celltrain.cli.progress import Reporter
 from celltrain.contract import load
 from celltrain.parameters import Train
 from celltrain.results import save
@@ -277,3 +278,20 @@ def test_what_commands_import():
     assert not imported(program) & {"jax", "equinox", "matplotlib"}
     case = [*CASE, "--degree", "6", "--cells", "1", "--error-bars", "1", "--json", "--quiet"]
     assert not imported(run, "stability", *case) & {"jax", "equinox", "matplotlib"}
+
+
+@pytest.mark.parametrize(("seconds", "lines"), [(60.0, 4), (0.0, 40)])
+def test_what_has_an_end_is_told_by_tenths_and_by_time(
+    seconds: float,
+    lines: int,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Four tenths in forty calls, at once and after a minute each."""
+    monkeypatch.setattr("celltrain.cli.progress.LINE_SECONDS", seconds)
+    with Reporter() as reporter:
+        for done in range(1, 41):
+            reporter.part("study", done, 100)
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == lines
+    assert told[-1] == "study: 40 of 100"

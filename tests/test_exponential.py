@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from celltrain.evolution import (
     Automatic,
     CellsInFlow,
-    ExponentialRungeKutta,
+    ExponentialAdams,
     FastestAtFirst,
     Leading,
     RandomDisplacement,
@@ -64,14 +64,13 @@ def test_functions_of_matrices(size: float) -> None:
     # Decaying, as a stiff membrane, and with a direction in which nothing happens.
     z = -size * part @ part.conj().transpose(0, 2, 1) / 36.0
     z[:, :, 0] = 0.0
-    first, second = _functions(z)
-    for each, one, two in zip(z, first, second, strict=True):
-        augmented = np.zeros((18, 18), complex)
+    for each, *functions in zip(z, *_functions(z), strict=True):
+        augmented = np.zeros((24, 24), complex)
         augmented[:6, :6] = each
-        augmented[:12, 6:] = np.eye(12)
+        augmented[:18, 6:] = np.eye(18)
         exact = scipy.linalg.expm(augmented)[:6]
-        assert_allclose(one, exact[:, 6:12], atol=1e-12)
-        assert_allclose(two, exact[:, 12:], atol=1e-12)
+        for number, function in enumerate(functions, 1):
+            assert_allclose(function, exact[:, 6 * number : 6 * number + 6], atol=1e-12)
 
 
 def test_steps_are_powers_of_the_root_of_two() -> None:
@@ -111,6 +110,7 @@ def test_the_linear_part_turns_with_the_cells(dynamics: Dynamics, linear: Linear
         linear.applied,
         lambda turns, change: linear.phi_1(level, turns, change),
         lambda turns, change: linear.phi_2(level, turns, change),
+        lambda turns, change: linear.phi_3(level, turns, change),
     ):
         moved = function(turns, np.einsum("cij,cjk->cik", rotations, change))
         assert_allclose(
@@ -118,12 +118,32 @@ def test_the_linear_part_turns_with_the_cells(dynamics: Dynamics, linear: Linear
         )
 
 
+@pytest.mark.parametrize("method", [ExponentialAdams(1e-2), RungeKuttaChebyshev(1e-2)])
+def test_steps_are_shortened_where_volumes_would_change(
+    method: Any, coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
+
+    def corrections() -> np.ndarray:
+        settings = {"degree": 6, "until": 2.0, "every": 2.0, "integrator": method}
+        run = evolve(single, RandomDisplacement(0.3, seed=1), **settings)
+        return run.history["volume_correction"][1:]
+
+    free = corrections()
+    allowed = free.max() / 5.0
+    monkeypatch.setattr("celltrain.evolution.methods.control.VOLUME_SHARE", 0.0)
+    monkeypatch.setattr("celltrain.evolution.methods.control.SMALLEST_CORRECTION", allowed)
+    bounded = corrections()
+    assert 0.1 * allowed < bounded.max() <= allowed
+    assert len(bounded) > len(free)
+
+
 def test_of_a_small_disturbance_a_long_step_is_exact(coarse_stability: Stability) -> None:
     """A step of 8 r0/U, eighty times what Euler's method may take."""
     small = 1e-6
     dynamics = train_dynamics(coarse_stability.base, Repulsion(), wall_gap=0.8)
     begin = dynamics.state(0.0, np.asarray(dynamics.base) + Leading(small).shapes(coarse_stability))
-    method = ExponentialRungeKutta()
+    method = ExponentialAdams()
     step = method.advance(dynamics, begin, replace(method.begin(begin), step=8.0))
     assert step.manner.size == 8.0
     assert step.work == Work(rejected=0, evaluations=2)
@@ -131,24 +151,37 @@ def test_of_a_small_disturbance_a_long_step_is_exact(coarse_stability: Stability
     assert_allclose(growth, np.exp(8.0 * coarse_stability.leading.growth_rate), rtol=1e-3)
 
 
+def marched(dynamics: Dynamics, begin: State, size: float, steps: int) -> State:
+    """The state after steps of one size, whatever their errors."""
+    method = ExponentialAdams(1e6, largest_step=size)
+    state, memory = begin, replace(method.begin(begin), step=size)
+    for _ in range(steps):
+        step = method.advance(dynamics, state, memory)
+        assert step.manner.size == size
+        state, memory = step.state, step.memory
+    return state
+
+
 def test_order_of_the_method_on_a_train(coarse_base: Base) -> None:
     single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
-    settings = {"degree": 6, "until": 1.0, "every": 1.0}
+    dynamics = train_dynamics(single, Repulsion(), wall_gap=0.8)
     disturbance = RandomDisplacement(0.3, seed=1)
-    exact = evolve(single, disturbance, integrator=RungeKuttaChebyshev(1e-6), **settings)
+    begin = dynamics.state(0.0, np.asarray(dynamics.base) + disturbance.shapes(single))
+    accurate = RungeKuttaChebyshev(1e-8)
+    exact = evolve(single, disturbance, degree=6, until=1.0, every=1.0, integrator=accurate)
     errors = []
-    for level in (-2, -4, -6):
-        method = ExponentialRungeKutta(tolerance=1e3, largest_step=step_of(level))
-        run = evolve(single, disturbance, integrator=method, **settings)
-        errors.append(float(np.abs(run.shapes[-1] - exact.shapes[-1]).max()))
-    assert errors[-1] > 1e-8
-    assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 2.0, atol=0.5)
+    for level in (-4, -6, -8):
+        size = step_of(level)
+        end = marched(dynamics, begin, size, round(1.0 / size))
+        errors.append(float(np.abs(end.shapes - exact.shapes[-1]).max()))
+    assert errors[-1] > 1e-7
+    assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 3.0, atol=0.5)
 
 
 def test_estimated_errors_are_near_the_true_ones(coarse_base: Base) -> None:
     single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
     dynamics = train_dynamics(single, Repulsion(), wall_gap=0.8)
-    method = ExponentialRungeKutta()
+    method = ExponentialAdams()
     shapes = np.asarray(dynamics.base) + RandomDisplacement(0.3, seed=1).shapes(single)
     state = dynamics.state(0.0, shapes)
     memory = method.begin(state)
@@ -158,7 +191,7 @@ def test_estimated_errors_are_near_the_true_ones(coarse_base: Base) -> None:
         exact, small = state, 8
         for _ in range(small):
             fine = replace(method.begin(exact), step=step.manner.size / small)
-            fixed = ExponentialRungeKutta(1e3, largest_step=step.manner.size / small)
+            fixed = ExponentialAdams(1e3, largest_step=step.manner.size / small)
             exact = fixed.advance(dynamics, exact, fine).state
         assert exact.time == pytest.approx(step.state.time, rel=1e-12)
         wrong = dynamics.displacement(step.state.shapes - exact.shapes)
@@ -172,7 +205,7 @@ def test_it_takes_few_evaluations_to_the_same_end(coarse_stability: Stability) -
     settings = {"degree": 6, "until": 10.0, "every": 10.0}
     exponential, stabilised = (
         evolve(coarse_stability, Leading(0.02), integrator=method, **settings)
-        for method in (ExponentialRungeKutta(), RungeKuttaChebyshev())
+        for method in (ExponentialAdams(), RungeKuttaChebyshev())
     )
     assert exponential.work.evaluations < stabilised.work.evaluations / 2
     assert_allclose(exponential.frames["eps"], stabilised.frames["eps"], rtol=2e-3)
@@ -196,7 +229,7 @@ def test_steps_that_fail_and_steps_that_lead_nowhere_end_a_run(
     def failing(*_: object) -> Step[ExponentialMemory]:
         raise StepFailed("step_too_small", "never", rejected=3, evaluations=5)
 
-    monkeypatch.setattr(ExponentialRungeKutta, "advance", failing)
+    monkeypatch.setattr(ExponentialAdams, "advance", failing)
     calls = []
 
     def overlaps(self: Dynamics, shapes: np.ndarray) -> list[str]:
@@ -232,19 +265,19 @@ def test_where_stabilised_steps_fail_exponential_ones_go_on(
 
 def test_other_cells_are_refused_at_once(coarse_base: Base) -> None:
     cells = CellsInFlow(coarse_base.train.cell, simple_shear(1.0), Resolution(degree=6))
-    for method in (Automatic(), ExponentialRungeKutta()):
+    for method in (Automatic(), ExponentialAdams()):
         with pytest.raises(CaseError, match="allowed: RungeKuttaChebyshev, ForwardEuler"):
             next(follow(cells, cells.resting([[0.0, 0.0, 0.0]]), until=1.0, integrator=method))
 
 
 def test_cells_without_a_train_are_refused(dynamics: Dynamics) -> None:
     state = dynamics.state(0.0, np.asarray(dynamics.base))
-    method = ExponentialRungeKutta()
+    method = ExponentialAdams()
     with pytest.raises(CaseError, match="allowed: RungeKuttaChebyshev"):
         method.advance(replace(dynamics, linear_part=None), state, method.begin(state))
 
 
-@pytest.mark.parametrize("method", [ExponentialRungeKutta, Automatic])
+@pytest.mark.parametrize("method", [ExponentialAdams, Automatic])
 @pytest.mark.parametrize("name", ["tolerance", "largest_step"])
 def test_settings(method: Callable[..., object], name: str) -> None:
     with pytest.raises(CaseError, match=rf"{name} = -1"):
@@ -266,17 +299,25 @@ def test_the_cheaper_method_goes_on(dynamics: Dynamics) -> None:
 
     begin = Automatic().begin(state)
     assert not begin.stabilised
+    # Both methods have taken a step before.
+    begin = replace(
+        begin,
+        exponential=replace(begin.exponential, last_step=1.0, last_error=0.5),
+        chebyshev=replace(begin.chebyshev, last_step=1.0, last_error=0.5),
+    )
     # What the first steps cost says nothing.
     settled = after(begin, SETTLING_EXPONENTIAL, 2, 0.01)
     cheap = after(settled, 3 * COUNTED, 2, 1.0)
     assert not cheap.stabilised
+    assert cheap.exponential.last_step == 1.0
     assert cheap.spent == 2 * (SETTLING_EXPONENTIAL + 3 * COUNTED)
     assert not after(cheap, COUNTED - 1, 2, 0.1).stabilised
     dear = after(cheap, COUNTED, 2, 0.1)
     assert (dear.stabilised, dear.stabilised_cost) == (True, ASSUMED_COST)
     # What was known of the spectral radius is of a time long ago, and the last step not of ours.
     assert dear.chebyshev.radius_age == RADIUS_STEPS
-    assert dear.exponential.last_step == dear.chebyshev.last_step == 0.0
+    for each in (dear.exponential, dear.chebyshev):
+        assert (each.last_step, each.last_error) == (0.0, 0.0)
     # Stabilised steps go on until the others are tried again, whatever they cost.
     settled = after(dear, SETTLING_STABILISED, 16, 0.01)
     assert settled.stabilised_cost == ASSUMED_COST
@@ -322,7 +363,7 @@ def test_where_exponential_steps_fail_stabilised_ones_go_on(
     def failing(*_: object) -> Step[ExponentialMemory]:
         raise StepFailed("step_too_small", "never")
 
-    monkeypatch.setattr(ExponentialRungeKutta, "advance", failing)
+    monkeypatch.setattr(ExponentialAdams, "advance", failing)
     single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
     run = evolve(single, RandomDisplacement(0.1), degree=6, until=0.2, every=0.2)
     assert run.ending.kind == "complete"

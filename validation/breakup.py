@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from breakup_ends import FILMS, ends_section, simulate_films
 from breakup_linear import PAPER_SLOWER, ad_hoc_section
 from breakup_runs import AMPLITUDE, CASES, CLOSE, DENSE, PAPER_TIMES, at, simulate, summarise
 from page import FOLDER, Page, plain_figure
@@ -37,13 +38,13 @@ PAPER_LINEAR = {"leading": 0.5, "sparse": 5.0}
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of this study."""
-    names = ", ".join(CASES)
+    names = ", ".join((*CASES, *FILMS))
     group = parser.add_argument_group("breakup")
     group.add_argument(
         "--simulate",
         nargs="+",
         default=[],
-        choices=list(CASES),
+        choices=[*CASES, *FILMS],
         help=f"simulations to run, or to go on with, first; each takes hours ({names})",
     )
     group.add_argument(
@@ -75,7 +76,7 @@ def study(
     elsewhere: Mapping[str, Path] | None = None,
 ) -> None:
     for name in wanted:
-        simulate(name, folder / f"{name}.nc")
+        (simulate if name in CASES else simulate_films)(name, folder / f"{name}.nc")
     page = Page("breakup", "Breakup of a train")
     page.text(
         """
@@ -98,6 +99,7 @@ within a factor of two of the paper's.
     page.table(("the paper says", "found", "holds"), statements(found))
     if "leading" in found:
         course(page, found["leading"])
+    ends_section(page, folder)
     ad_hoc_section(page, DENSE, AMPLITUDE)
     figure(page, found)
     pictures(page, found)
@@ -128,7 +130,7 @@ def runs_table(page: Page, found: Mapping[str, Mapping[str, Any]]) -> None:
             name,
             case.shows,
             f"{case.train.cells}, {case.train.packing:.3g}",
-            repr(case.disturbance),
+            str(case.disturbance),
             state(name, content),
         ]
         if content is not None:

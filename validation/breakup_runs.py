@@ -50,9 +50,7 @@ class Case:
 
 
 CASES: dict[str, Case] = {
-    "leading": Case(
-        "the fastest mode, Figs. 11 and 12", DENSE, Leading(AMPLITUDE), PAPER_TIMES[-1]
-    ),
+    "leading": Case("the fastest mode, Figs. 11 and 12", DENSE, Leading(AMPLITUDE), 2000.0),
     "random": Case("the ad hoc disturbance, Fig. 11", DENSE, RandomDisplacement(AMPLITUDE), 600.0),
     "sparse": Case(
         "the fastest mode of a sparse train, Fig. 11",
@@ -94,7 +92,7 @@ def load(name: str, path: Path) -> Run:
     **Raises:** `CaseError` if it is that of another case.
     """
     run, case = Run.load(path), CASES[name]
-    if run.train != case.train or run.disturbance != repr(case.disturbance):
+    if run.train != case.train or run.disturbance != str(case.disturbance):
         raise CaseError(
             f"{str(path)!r} is not allowed as {name!r}: it is {run.disturbance} of another train,"
             f" or another one than {case.disturbance}"

@@ -1,6 +1,7 @@
 """Progress on standard error: bars for what has parts, a running line for the base flow."""
 
 import math
+import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from types import TracebackType
@@ -14,6 +15,9 @@ from celltrain.cli.keeping import ERRORS, say
 if TYPE_CHECKING:
     from celltrain.contract.progress import SimulationStatus
     from celltrain.steady import Iteration
+
+# Where there is no terminal: seconds after which a line says how far it is.
+LINE_SECONDS = 60.0
 
 
 class _Announcement(event.Listener):
@@ -37,8 +41,8 @@ class _Announcement(event.Listener):
 class Reporter:
     """Shows how a computation goes on; gives the callbacks that the computations take.
 
-    On a terminal it is a live display; otherwise a line for each iteration, and for each tenth
-    of what has an end.
+    On a terminal it is a live display; otherwise a line for each iteration, and of what has
+    an end for each tenth and for each minute.
     """
 
     def __init__(self, *, quiet: bool = False) -> None:
@@ -46,6 +50,7 @@ class Reporter:
         self._live = ERRORS.is_terminal
         self._iterations = 0
         self._tenths = 0
+        self._line_at = time.monotonic()
         self._title = ""
         self._open = ExitStack()
         self._progress = Progress(
@@ -109,9 +114,11 @@ class Reporter:
             self._progress.update(
                 self._task, description=title, completed=done, total=total, note=note
             )
-        elif total and int(10 * done / total) > self._tenths:
-            self._tenths = int(10 * done / total)
-            self.log(f"{title}: {note}")
+        elif total:
+            tenths, now = int(10 * done / total), time.monotonic()
+            if tenths > self._tenths or now - self._line_at >= LINE_SECONDS:
+                self._tenths, self._line_at = tenths, now
+                self.log(f"{title}: {note}")
 
 
 def progress_note(status: "SimulationStatus") -> str:

@@ -19,7 +19,7 @@ from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.evolution.linear import LinearPrediction, linear_prediction
 from celltrain.evolution.methods import (
     Automatic,
-    ExponentialRungeKutta,
+    ExponentialAdams,
     ForwardEuler,
     Integrator,
     RungeKuttaChebyshev,
@@ -37,7 +37,7 @@ __all__ = [
     "CellsInFlow",
     "Disturbance",
     "Ending",
-    "ExponentialRungeKutta",
+    "ExponentialAdams",
     "FastestAtFirst",
     "ForwardEuler",
     "FromFile",

@@ -7,11 +7,12 @@ whole, so that what is fast in f stays in L wherever they are.
 
 Exponential methods take the functions
 
-    phi_1(z) = (exp z - 1)/z,   phi_2(z) = (exp z - 1 - z)/z^2
+    phi_1(z) = (exp z - 1)/z,   phi_2(z) = (phi_1(z) - 1)/z,   phi_3(z) = (phi_2(z) - 1/2)/z
 
 of z = h L, here by their Taylor series of a small z and
 
     phi_1(2 z) = phi_1(z) (exp z + 1)/2,   phi_2(2 z) = (phi_1(z)^2 + 2 phi_2(z))/4,
+    phi_3(2 z) = (phi_1(z) phi_2(z) + phi_2(z) + 2 phi_3(z))/8,
 
 (Skaflestad & Wright 2009) on each block A_m(q) alone.
 """
@@ -46,7 +47,7 @@ class LinearPart:
 
     def __init__(self, base: Base) -> None:
         self._base = base
-        self._functions: dict[int, tuple[list[Blocks], list[Blocks]]] = {}
+        self._functions: dict[int, tuple[list[Blocks], ...]] = {}
 
     def turns(self, shapes: Shapes) -> Turns:
         """The rotation that brings each cell of the steady train nearest to how it is."""
@@ -67,6 +68,10 @@ class LinearPart:
         """The second function of h L, of the step of a level (see `step_of`), times d."""
         return self._by_blocks(self._of_level(level)[1], turns, change)
 
+    def phi_3(self, level: int, turns: Turns, change: Shapes) -> Shapes:
+        """The third function of h L, of the step of a level (see `step_of`), times d."""
+        return self._by_blocks(self._of_level(level)[2], turns, change)
+
     def within(
         self, level: int, turns: Turns, rates: Shapes, change: Shapes, part: float
     ) -> Shapes:
@@ -77,7 +82,7 @@ class LinearPart:
         """
         step = step_of(level)
         whole = self._of_level(level)[1]
-        first, second = self._functions_of(part * step)
+        first, second, _ = self._functions_of(part * step)
         begun = part * step * self._by_blocks(first, turns, rates)
         ratios = [np.linalg.solve(*each) for each in zip(whole, second, strict=True)]
         beside = change - step * self.phi_1(level, turns, rates)
@@ -132,16 +137,16 @@ class LinearPart:
         found = linear_blocks(self._base, phases, range(len(self._bases)))
         return [found[m] for m in range(len(self._bases))]
 
-    def _of_level(self, level: int) -> tuple[list[Blocks], list[Blocks]]:
+    def _of_level(self, level: int) -> tuple[list[Blocks], ...]:
         if level not in self._functions:
             while len(self._functions) >= KEPT:
                 del self._functions[next(iter(self._functions))]
             self._functions[level] = self._functions_of(step_of(level))
         return self._functions[level]
 
-    def _functions_of(self, step: float) -> tuple[list[Blocks], list[Blocks]]:
-        pairs = [_functions(step * each) for each in self._blocks]
-        return [each[0] for each in pairs], [each[1] for each in pairs]
+    def _functions_of(self, step: float) -> tuple[list[Blocks], ...]:
+        of_blocks = [_functions(step * each) for each in self._blocks]
+        return tuple(list(each) for each in zip(*of_blocks, strict=True))
 
 
 def step_of(level: int) -> float:
@@ -154,20 +159,22 @@ def level_of(step: float) -> int:
     return math.floor(PER_OCTAVE * math.log2(step) + 1e-9)
 
 
-def _functions(z: Blocks) -> tuple[Blocks, Blocks]:
-    """phi_1(z) and phi_2(z)."""
+def _functions(z: Blocks) -> tuple[Blocks, Blocks, Blocks]:
+    """phi_1(z), phi_2(z) and phi_3(z)."""
     largest = float(np.abs(z).sum(axis=-1).max())
     doublings = max(0, math.ceil(math.log2(largest / SMALL))) if largest > 0.0 else 0
     z = z / 2.0**doublings
     one = np.broadcast_to(np.eye(z.shape[-1], dtype=complex), z.shape)
-    # phi_2 = 1/2 + z/6 + z^2/24 + ..., by Horner's rule.
-    second = one / math.factorial(TERMS + 2)
+    # phi_3 = 1/6 + z/24 + z^2/120 + ..., by Horner's rule.
+    third = one / math.factorial(TERMS + 3)
     for power in range(TERMS - 1, -1, -1):
-        second = one / math.factorial(power + 2) + z @ second
+        third = one / math.factorial(power + 3) + z @ third
+    second = 0.5 * one + z @ third
     first = one + z @ second
     for _ in range(doublings):
         exponential = one + z @ first
+        third = 0.125 * (first @ second + second + 2.0 * third)
         second = 0.25 * (first @ first + 2.0 * second)
         first = 0.5 * first @ (exponential + one)
         z = 2.0 * z
-    return first, second
+    return first, second, third

@@ -4,7 +4,7 @@ from typing import TypeAlias
 
 from celltrain.evolution.methods.automatic import Automatic, AutomaticMemory
 from celltrain.evolution.methods.euler import EulerMemory, ForwardEuler
-from celltrain.evolution.methods.exponential import ExponentialMemory, ExponentialRungeKutta
+from celltrain.evolution.methods.exponential import ExponentialAdams, ExponentialMemory
 from celltrain.evolution.methods.integrator import Integrator, Manner, Step, Work
 from celltrain.evolution.methods.runge_kutta_chebyshev import ChebyshevMemory, RungeKuttaChebyshev
 
@@ -12,15 +12,15 @@ from celltrain.evolution.methods.runge_kutta_chebyshev import ChebyshevMemory, R
 Memory: TypeAlias = AutomaticMemory | ExponentialMemory | ChebyshevMemory | EulerMemory
 
 #: What there is to march with.
-Method: TypeAlias = Automatic | ExponentialRungeKutta | RungeKuttaChebyshev | ForwardEuler
+Method: TypeAlias = Automatic | ExponentialAdams | RungeKuttaChebyshev | ForwardEuler
 
 __all__ = [
     "Automatic",
     "AutomaticMemory",
     "ChebyshevMemory",
     "EulerMemory",
+    "ExponentialAdams",
     "ExponentialMemory",
-    "ExponentialRungeKutta",
     "ForwardEuler",
     "Integrator",
     "Manner",

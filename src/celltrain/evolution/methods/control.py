@@ -12,6 +12,11 @@ SMALLEST_SCALE = 1e-6
 LARGEST_SCALE = 1.0
 # Largest error of a step over the thinnest film within the range of the repulsion.
 GAP_SHARE = 0.1
+# The correction of volumes (r0) after a step, over the tolerance: the paper's 1e-5 r0 at 1e-3; and
+# what is allowed at any tolerance, as it also has a part that grows with the step itself, what the
+# velocities' quadrature leaves of the flow through a membrane.
+VOLUME_SHARE = 0.01
+SMALLEST_CORRECTION = 1e-6
 # The next step: this part of what the error allows, between these factors of the last one.
 SAFETY = 0.8
 LEAST_FACTOR = 0.1
@@ -30,6 +35,12 @@ def allowed_error(dynamics: CellDynamics, state: State, shapes: Shapes, toleranc
     distance = dynamics.departure(shapes)
     allowed = tolerance * min(max(distance, SMALLEST_SCALE), LARGEST_SCALE)
     return float(min(allowed, GAP_SHARE * state.measures.gap))
+
+
+def volume_error(after: State, tolerance: float) -> float:
+    """How far the volumes had to be corrected after a step, over what is allowed."""
+    allowed = max(VOLUME_SHARE * tolerance, SMALLEST_CORRECTION)
+    return after.measures.volume_correction / allowed
 
 
 def step_factor(step: float, error: float, last_step: float, last_error: float) -> float:
