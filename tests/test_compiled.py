@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.testing import assert_allclose
 from scipy.special import erfc
 
 from celltrain.clock import compilation
+from celltrain.compiled import nearest_on_host
 from celltrain.compiled.near_loops import near_parts
 from celltrain.flow import own_surface_rule
 from celltrain.flow.force_sums import _formula, force_sums
@@ -20,7 +22,10 @@ from celltrain.flow.own_surface import (
     own_double_layer,
     own_velocity,
 )
+from celltrain.harmonics import real_harmonics
+from celltrain.membrane import reference_coefficients
 from celltrain.proximity.close_pairs import LeftOut
+from celltrain.proximity.nearest import nearest_point_search
 from celltrain.runtime import constant
 
 XI = 1.3
@@ -186,3 +191,33 @@ def test_tables_become_arrays_without_a_program() -> None:
     assert made.dtype == float
     jnp.asarray(np.ones((3, 11, 19)))
     assert compilation.seconds() > before
+
+
+@pytest.mark.parametrize("degree", [6, 12])
+def test_nearest_points_by_the_loop(degree: int) -> None:
+    """Also from guesses at a pole; what is not valid is left alone."""
+    random = np.random.default_rng(8)
+    count = 150
+    rest = reference_coefficients(degree, "biconcave")
+    low = np.arange(degree**2) < 16
+    shapes = rest + 0.05 * low * random.normal(size=(3, *rest.shape))
+    theta, phi = np.arccos(random.uniform(-1, 1, count)), random.uniform(0, 6.3, count)
+    theta[:3] = 0.0, np.pi, 1e-9
+    cells, valid = np.arange(count) % 3, random.random(count) < 0.8
+    feet = np.einsum("pk,pik->pi", real_harmonics(degree, theta, phi), shapes[cells])
+    points = feet + random.uniform(-0.1, 0.1, feet.shape)
+    guesses = np.stack([theta, phi], axis=-1)
+    search = nearest_point_search(degree)
+    points[0], valid[:3] = [0.0, 0.0, 1.0], True
+    given = tuple(jnp.asarray(each) for each in (points, cells, shapes, guesses, valid))
+    found = eqx.filter_jit(search.of_valid)(*given)
+    ordered = (given[1], given[4], given[0], given[2], given[3])
+    distance, stretch, converged = eqx.filter_jit(search._in_chunks)(*ordered).T[2:]
+    assert_allclose(found.distance, distance, rtol=0, atol=1e-12)
+    assert_allclose(found.stretch, stretch, rtol=0, atol=1e-6)
+    assert np.isinf(np.asarray(found.distance)).sum() == (~valid).sum() > 0
+    # Each pair ends by itself there, where here all of a chunk go on.
+    assert (np.asarray(found.converged) >= np.asarray(converged)).all()
+    on_host = nearest_on_host(points, cells, shapes, guesses)[valid]
+    expected = np.stack([found.theta, found.phi, found.distance], axis=-1)[valid]
+    assert_allclose(on_host[:, :3], expected, rtol=0, atol=0)

@@ -1,4 +1,4 @@
-"""Kernels of the three-dimensional operator, and loops over pairs that XLA's own code does slowly.
+"""Kernels of the three-dimensional operator, and loops that XLA's own code does slowly.
 
 The kernels' arithmetic stands once, in `kernels`. Sums over pairs are loops compiled by Numba where
 these serve, their work shared among threads (`shared_work`), and plain formulas for JAX everywhere
@@ -8,14 +8,17 @@ else (`dispatch`).
 from celltrain.compiled.call_frame import LOOPS_SERVE
 from celltrain.compiled.dispatch import compiled_or_plain, loop
 from celltrain.compiled.near_loops import FORCE_PAIRS, NODE_FORCES, STRESSLET_PAIRS
+from celltrain.compiled.nearest_loop import NEAREST, nearest_on_host
 from celltrain.compiled.own_surface_loops import OWN_FORCES
 
 __all__ = [
     "FORCE_PAIRS",
     "LOOPS_SERVE",
+    "NEAREST",
     "NODE_FORCES",
     "OWN_FORCES",
     "STRESSLET_PAIRS",
     "compiled_or_plain",
     "loop",
+    "nearest_on_host",
 ]

@@ -5,8 +5,9 @@ beta) are coordinates without singularity. In them f = |x(u) - p|^2/2 has the gr
 and the Hessian x_i . x_j + x_ij . (x - p), which follow from the coefficients seen from the pole;
 only those of orders 0, 1 and 2 take part. Each step moves the pole.
 
-The iteration stands here once. `NearestPointSearch` runs it inside programs of JAX, for as many
-pairs as are valid; `nearest_points` runs it outside, for any number of points on the host.
+`NearestPointSearch.of_valid` runs the iteration inside programs of JAX, for as many pairs as are
+valid, `nearest_points` outside, for any number of points on the host: both by compiled loops where
+these serve (`compiled.nearest_loop`), and by the formulas here elsewhere.
 """
 
 import math
@@ -17,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from celltrain.compiled import LOOPS_SERVE, NEAREST, compiled_or_plain, loop, nearest_on_host
 from celltrain.harmonics import Shapes, degrees_and_orders
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.rotation import PoleRotation, pole_rotation
@@ -25,6 +27,8 @@ from celltrain.runtime import constant
 MAX_ITERATIONS = 30
 LONGEST_STEP = 0.3
 SHORTEST_STEP = 1e-9
+# Columns of what is found: theta, phi, distance, stretch, whether it converged.
+FOUND = 5
 # Pairs at once; with many more their coefficients leave the cache.
 CHUNK = 64
 
@@ -119,19 +123,36 @@ class NearestPointSearch(eqx.Module):
 
         The distance of pairs that are not valid is infinite. Derivatives do not pass through.
         """
+        given = jax.lax.stop_gradient((points, shapes, guesses))
+
+        def compiled(search: NearestPointSearch, cells: Array, valid: Array, *rest: Array) -> Array:
+            del search
+            points, shapes, guesses = rest
+            shape = (len(points), FOUND)
+            return loop(NEAREST, shape, points, cells.astype(int), shapes, guesses, valid)
+
+        plain = NearestPointSearch._in_chunks
+        found = compiled_or_plain(compiled, plain, self, cells, valid, *given)
+        theta, phi, distance, stretch, converged = found.T
+        return NearestPoints(theta, phi, distance, stretch, converged > 0.0)
+
+    def _in_chunks(
+        self, cells: Array, valid: Array, points: Array, shapes: Array, guesses: Array
+    ) -> Float[Array, "pair found"]:
+        """What the loop gives, by the formulas."""
         order = jnp.argsort(~valid)
         count = jnp.sum(valid)
 
-        def add(number: Array, found: NearestPoints) -> NearestPoints:
+        def add(number: Array, found: Array) -> Array:
             place = CHUNK * number + jnp.arange(CHUNK)
             # What is beyond the last pair repeats it.
             pair = order[jnp.minimum(place, count - 1)]
             here = self(points[pair], shapes[cells[pair]], guesses[pair])
-            return jax.tree.map(lambda whole, part: whole.at[pair].set(part), found, here)
+            columns = (here.theta, here.phi, here.distance, here.stretch, here.converged)
+            return found.at[pair].set(jnp.stack(columns, axis=-1))
 
-        points, guesses, shapes = jax.lax.stop_gradient((points, guesses, shapes))
-        one = jnp.ones_like(points[:, 0])
-        start = NearestPoints(0.0 * one, 0.0 * one, jnp.inf * one, one, one > 0.0)
+        nothing = jnp.array([0.0, 0.0, jnp.inf, 1.0, 1.0])
+        start = jnp.broadcast_to(nothing, (len(points), FOUND))
         return jax.lax.fori_loop(0, -(-count // CHUNK), add, start)
 
 
@@ -144,18 +165,23 @@ def nearest_points(
 ) -> tuple[Float[np.ndarray, "point 2"], Float[np.ndarray, " point"]]:
     """Nearest points (theta, phi) of cells to points, and the distances, negative inside.
 
-    For few points outside compiled programs: one program serves any number of points and cells.
+    For points outside compiled programs; one program serves any number of points and cells.
 
     **Arguments:** `cells`: that of each point; `guesses`: as for the search, whose result this is.
     """
+    if LOOPS_SERVE:
+        given = (np.ascontiguousarray(each, dtype=float) for each in (points, shapes, guesses))
+        at, of, near = given
+        found = nearest_on_host(at, np.ascontiguousarray(cells, dtype=np.int64), of, near)
+        return found[:, :2], found[:, 2]
     angles, distances = np.zeros((len(points), 2)), np.zeros(len(points))
     for start in range(0, len(points), CHUNK):
         # What is beyond the last point repeats it.
         number = np.minimum(np.arange(start, start + CHUNK), len(points) - 1)
         chosen = (points[number], shapes[cells[number]], guesses[number])
-        found = _searched(search, *(jnp.asarray(each) for each in chosen))
-        angles[number] = np.stack([found.theta, found.phi], axis=-1)
-        distances[number] = found.distance
+        one = _searched(search, *(jnp.asarray(each) for each in chosen))
+        angles[number] = np.stack([one.theta, one.phi], axis=-1)
+        distances[number] = one.distance
     return angles, distances
 
 
