@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from celltrain.evolution.ending import StepFailed
 from celltrain.evolution.methods.integrator import CellDynamics, Work
 from celltrain.evolution.state import State
@@ -17,6 +19,8 @@ GAP_SHARE = 0.1
 # velocities' quadrature leaves of the flow through a membrane.
 VOLUME_SHARE = 0.01
 SMALLEST_CORRECTION = 1e-6
+# What part of the step that this allows is taken next: unlike errors, corrections vary little.
+VOLUME_SAFETY = 0.95
 # The next step: this part of what the error allows, between these factors of the last one.
 SAFETY = 0.8
 LEAST_FACTOR = 0.1
@@ -37,10 +41,15 @@ def allowed_error(dynamics: CellDynamics, state: State, shapes: Shapes, toleranc
     return float(min(allowed, GAP_SHARE * state.measures.gap))
 
 
-def volume_error(after: State, tolerance: float) -> float:
-    """How far the volumes had to be corrected after a step, over what is allowed."""
+def with_volumes(relative: float, after: State, tolerance: float) -> tuple[float, bool]:
+    """The relative error of a step that the next one follows, and whether this one is accepted.
+
+    **Arguments:** `relative`: without regard to the correction of the volumes; NaN is not accepted.
+    """
     allowed = max(VOLUME_SHARE * tolerance, SMALLEST_CORRECTION)
-    return after.measures.volume_correction / allowed
+    corrected = after.measures.volume_correction / allowed
+    followed = float(np.maximum(relative, (SAFETY / VOLUME_SAFETY) ** 3 * corrected))
+    return followed, bool(relative <= 1.0 and corrected <= 1.0)
 
 
 def step_factor(step: float, error: float, last_step: float, last_error: float) -> float:

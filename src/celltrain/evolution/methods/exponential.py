@@ -15,7 +15,7 @@ from celltrain.evolution.methods.control import (
     allowed_error,
     shorter_step,
     step_factor,
-    volume_error,
+    with_volumes,
 )
 from celltrain.evolution.methods.integrator import CellDynamics, Integrator, Manner, Step, Work
 from celltrain.evolution.state import State
@@ -121,10 +121,10 @@ class ExponentialAdams(Integrator[ExponentialMemory]):
                 moved = dynamics.continuous(state.shapes + change, state.laps)
                 after = dynamics.state(state.time + step, moved)
                 work += Work(evaluations=1)
-                corrected = volume_error(after, self.tolerance)
                 finite = bool(np.isfinite(after.rates).all())
-                relative = max(relative, corrected) if finite else np.nan
-                if relative <= 1.0:
+                end = relative if finite else np.nan
+                relative, accepted = with_volumes(end, after, self.tolerance)
+                if accepted:
                     break
             work += Work(rejected=1)
             shorter = shorter_step(step, relative, tolerance=self.tolerance, work=work)

@@ -22,7 +22,7 @@ from celltrain.evolution.methods.control import (
     allowed_error,
     shorter_step,
     step_factor,
-    volume_error,
+    with_volumes,
 )
 from celltrain.evolution.methods.integrator import CellDynamics, Integrator, Manner, Step, Work
 from celltrain.evolution.methods.radius import spectral_radius
@@ -110,9 +110,9 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
             error = dynamics.displacement(
                 embedded_error(begin, state.rates, end, after.rates, step)
             )
-            relative = float(np.maximum(error / allowed, volume_error(after, self.tolerance)))
+            relative, accepted = with_volumes(error / allowed, after, self.tolerance)
             work += Work(evaluations=evaluations + stages)
-            if relative <= 1.0:
+            if accepted:
                 break
             work += Work(rejected=1)
             shorter = shorter_step(step, relative, tolerance=self.tolerance, work=work)
