@@ -147,10 +147,12 @@ def test_every_leaf_is_an_option(capsys):
 
 
 def test_exit_status_of_the_process():
-    script = "import sys; from celltrain.cli import main; sys.exit(main())"
     arguments = ["stability", "--diameter", "1", "--packing", "0.2"]
     result = subprocess.run(
-        [sys.executable, "-c", script, *arguments], capture_output=True, text=True, check=False
+        [sys.executable, "-m", "celltrain", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert result.returncode == 2
     assert result.stdout == ""

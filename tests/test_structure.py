@@ -46,6 +46,7 @@ ROOMS = (
     "analyses",
     "explore",
     "cli",
+    "__main__",
 )
 #: What the main job passes through; none of it imports JAX.
 WITHOUT_JAX = (
