@@ -112,7 +112,8 @@ def state(name: str, content: Mapping[str, Any] | None) -> str:
         return "not run"
     if finished(name, content):
         return f"finished at {content['time']:.0f}"
-    reason = "" if content["ending"] == "running" else f" ({content['message']})"
+    ending = content["ending"]
+    reason = "" if ending["kind"] == "running" else f" ({ending['message']})"
     return f"not finished: {content['time']:.0f} of {CASES[name].until:.0f}{reason}"
 
 

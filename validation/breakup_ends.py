@@ -7,7 +7,7 @@ strengths.
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -160,28 +160,30 @@ def collected(folder: Path, page: Page) -> dict[str, Any]:
     if leading.exists():
         run = load("leading", leading)
         keep_states(leading)
-        content["disorder"] = [vars(each) for each in _parts(run)]
-        content["leading"] = vars(_end(run, 0.0))
+        content["disorder"] = [asdict(each) for each in _parts(run)]
+        content["leading"] = asdict(_end(run, 0.0))
         page.log("disorder: statistics of the leading simulation")
     for name in FILMS:
         path = folder / f"{name}.nc"
         if path.exists():
-            content[name] = vars(_end(Run.load(path), BEGIN))
+            content[name] = asdict(_end(Run.load(path), BEGIN))
             page.log(f"films: {name}")
     if content:
-        text = json.dumps(content, indent=1, default=vars)
-        FILE.write_text(text + "\n")
+        FILE.write_text(json.dumps(content, indent=1) + "\n")
     return content
 
 
 def _parts(run: Run) -> Iterator[Statistics]:
-    """The steady train's like at first, and the disorder in two halves."""
+    """The disturbed train at first, and the disorder in two halves: from the paper's last time on.
+
+    As long as the simulation does not go far beyond that, its last part.
+    """
     last = float(run.times[-1])
-    middle = 0.5 * (END + last)
+    begin = END if last >= END + LAST_PART else last - LAST_PART
+    middle = 0.5 * (begin + last)
     yield statistics(run, 0.0, EVERY)
-    if last > END:
-        yield statistics(run, END, middle)
-        yield statistics(run, middle, last)
+    yield statistics(run, begin, middle)
+    yield statistics(run, middle, last)
 
 
 def _end(run: Run, offset: float) -> End:
