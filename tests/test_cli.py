@@ -1,11 +1,13 @@
 """The command line: what is refused, how, and what goes where. Nothing is computed here."""
 
+import itertools
 import json
 import math
 import subprocess
 import sys
 import tomllib
 from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -282,18 +284,21 @@ def test_what_commands_import():
     assert not imported(run, "stability", *case) & {"jax", "equinox", "matplotlib"}
 
 
-@pytest.mark.parametrize(("seconds", "lines"), [(60.0, 4), (0.0, 40)])
+@pytest.mark.parametrize(
+    ("seconds", "expected"), [(0.0, [10, 20]), (20.0, [3, 6, 9, 10, 13, 16, 19, 20, 23])]
+)
 def test_what_has_an_end_is_told_by_tenths_and_by_time(
     seconds: float,
-    lines: int,
+    expected: list[int],
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Four tenths in forty calls, at once and after a minute each."""
-    monkeypatch.setattr("celltrain.cli.progress.LINE_SECONDS", seconds)
+    """Of a hundred parts a line for each tenth, and where they take long for each minute."""
+    now = itertools.count(0.0, seconds)
+    clock = SimpleNamespace(monotonic=lambda: next(now))
+    monkeypatch.setattr("celltrain.cli.progress.time", clock)
     with Reporter() as reporter:
-        for done in range(1, 41):
+        for done in range(1, 26):
             reporter.part("study", done, 100)
     told = capsys.readouterr().err.splitlines()
-    assert len(told) == lines
-    assert told[-1] == "study: 40 of 100"
+    assert told == [f"study: {done} of 100" for done in expected]

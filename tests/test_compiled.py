@@ -13,6 +13,7 @@ from scipy.special import erfc
 from celltrain.clock import compilation
 from celltrain.compiled import nearest_on_host
 from celltrain.compiled.near_loops import near_parts
+from celltrain.compiled.nearest_loop import _FUNCTIONS, _arranged, _factors, _jet
 from celltrain.flow import own_surface_rule
 from celltrain.flow.force_sums import _formula, force_sums
 from celltrain.flow.near import NearPairs, _pair_sums_formula, block_sum, pair_sums
@@ -221,3 +222,21 @@ def test_nearest_points_by_the_loop(degree: int) -> None:
     on_host = nearest_on_host(points, cells, shapes, guesses)[valid]
     expected = np.stack([found.theta, found.phi, found.distance], axis=-1)[valid]
     assert_allclose(on_host[:, :3], expected, rtol=0, atol=0)
+
+
+def test_derivatives_of_a_surface_by_the_loop() -> None:
+    """Beside those from the coefficients seen from the pole, also at both poles."""
+    degree, random = 8, np.random.default_rng(9)
+    shape = random.normal(size=(1, 3, degree**2))
+    theta = np.array([0.0, 1e-9, 1e-4, 0.7, 2.0, np.pi])
+    phi = random.uniform(0.0, 6.3, theta.size)
+    search = nearest_point_search(degree)
+    seen = search.rotation.seen_from_equator(
+        jnp.repeat(jnp.asarray(shape), theta.size, axis=0), jnp.asarray(theta), jnp.asarray(phi)
+    )
+    expected = jnp.einsum("jk,pik->pji", search.jet, seen)
+    factors, arranged = _factors(degree), _arranged(shape, degree)
+    functions, jet = np.zeros((_FUNCTIONS, degree + 1, degree)), np.zeros((6, 3))
+    for place, values in enumerate(np.asarray(expected)):
+        _jet(theta[place], phi[place], arranged[0], factors, functions, jet)
+        assert_allclose(jet, values, rtol=0, atol=1e-11 * np.abs(values).max())

@@ -37,6 +37,7 @@ from celltrain.evolution.methods.automatic import (
     SETTLING_STABILISED,
     _counted,
 )
+from celltrain.evolution.methods.control import step_factor, with_volumes
 from celltrain.evolution.methods.runge_kutta_chebyshev import RADIUS_STEPS
 from celltrain.evolution.state import State
 from celltrain.harmonics import displaced
@@ -118,6 +119,28 @@ def test_the_linear_part_turns_with_the_cells(dynamics: Dynamics, linear: Linear
         )
 
 
+def test_which_corrections_of_volumes_are_allowed(dynamics: Dynamics) -> None:
+    state = dynamics.state(0.0, np.asarray(dynamics.base))
+
+    def followed(relative: float, correction: float, tolerance: float) -> tuple[float, bool]:
+        measures = replace(state.measures, volume_correction=correction)
+        return with_volumes(relative, replace(state, measures=measures), tolerance)
+
+    assert followed(0.7, 1e-7, 1e-3) == (0.7, True)
+    assert followed(1.01, 1e-7, 1e-3) == (1.01, False)
+    # At the bound the next step is a little shorter, not by the margin that errors have.
+    relative, accepted = followed(0.1, 1e-5, 1e-3)
+    assert accepted
+    assert step_factor(1.0, relative, 0.0, 0.0) == pytest.approx(0.95)
+    assert not followed(0.1, 1.01e-5, 1e-3)[1]
+    # Not less than this, however small the tolerance is.
+    assert followed(0.1, 0.99e-6, 1e-9)[1]
+    assert not followed(0.1, 1.01e-6, 1e-9)[1]
+    for each in (followed(np.nan, 0.0, 1e-3), followed(0.1, np.nan, 1e-3)):
+        assert np.isnan(each[0])
+        assert not each[1]
+
+
 @pytest.mark.parametrize("method", [ExponentialAdams(1e-2), RungeKuttaChebyshev(1e-2)])
 def test_steps_are_shortened_where_volumes_would_change(
     method: Any, coarse_base: Base, monkeypatch: pytest.MonkeyPatch
@@ -151,18 +174,25 @@ def test_of_a_small_disturbance_a_long_step_is_exact(coarse_stability: Stability
     assert_allclose(growth, np.exp(8.0 * coarse_stability.leading.growth_rate), rtol=1e-3)
 
 
-def marched(dynamics: Dynamics, begin: State, size: float, steps: int) -> State:
-    """The state after steps of one size, whatever their errors."""
-    method = ExponentialAdams(1e6, largest_step=size)
-    state, memory = begin, replace(method.begin(begin), step=size)
-    for _ in range(steps):
-        step = method.advance(dynamics, state, memory)
+def marched(dynamics: Dynamics, begin: State, sizes: list[float]) -> State:
+    """The state after steps of these sizes, whatever their errors."""
+    method = ExponentialAdams(1e6)
+    state, memory = begin, method.begin(begin)
+    for size in sizes:
+        step = method.advance(dynamics, state, replace(memory, step=size))
         assert step.manner.size == size
         state, memory = step.state, step.memory
     return state
 
 
-def test_order_of_the_method_on_a_train(coarse_base: Base) -> None:
+@pytest.mark.parametrize(
+    ("pattern", "levels"),
+    [((0,), (-4, -6, -8)), ((0, 2, 2), (-6, -8))],
+    ids=["equal steps", "unequal steps"],
+)
+def test_order_of_the_method_on_a_train(
+    pattern: tuple[int, ...], levels: tuple[int, ...], coarse_base: Base
+) -> None:
     single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
     dynamics = train_dynamics(single, Repulsion(), wall_gap=0.8)
     disturbance = RandomDisplacement(0.3, seed=1)
@@ -170,9 +200,9 @@ def test_order_of_the_method_on_a_train(coarse_base: Base) -> None:
     accurate = RungeKuttaChebyshev(1e-8)
     exact = evolve(single, disturbance, degree=6, until=1.0, every=1.0, integrator=accurate)
     errors = []
-    for level in (-4, -6, -8):
-        size = step_of(level)
-        end = marched(dynamics, begin, size, round(1.0 / size))
+    for level in levels:
+        part = [step_of(level - shorter) for shorter in pattern]
+        end = marched(dynamics, begin, part * round(1.0 / sum(part)))
         errors.append(float(np.abs(end.shapes - exact.shapes[-1]).max()))
     assert errors[-1] > 1e-7
     assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 3.0, atol=0.5)

@@ -4,11 +4,13 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 
 import celltrain
 from celltrain.harmonics import displaced, real_harmonics, surface_points
 from celltrain.membrane import reference_coefficients
+from celltrain.proximity import nearest
 from celltrain.proximity.boxes import close_boxes
 from celltrain.proximity.nearest import CHUNK, _searched, nearest_point_search, nearest_points
 
@@ -57,7 +59,11 @@ def test_boxes_of_a_cell_and_its_own_image() -> None:
     ]
 
 
-def test_nearest_points_of_any_number_of_points() -> None:
+@pytest.mark.parametrize("loops", [True, False])
+def test_nearest_points_of_any_number_of_points(
+    loops: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(nearest, "LOOPS_SERVE", loops and nearest.LOOPS_SERVE)
     shapes, search = cells(), nearest_point_search(DEGREE)
     angles, values = grid()
     random = np.random.default_rng(4)
@@ -72,14 +78,15 @@ def test_nearest_points_of_any_number_of_points() -> None:
         points = feet + away[:, None] * direction
         found, distance = nearest_points(search, points, number, shapes, angles[:count])
         assert found.shape == (count, 2)
-        nearest = np.einsum("pk,pik->pi", real_harmonics(DEGREE, *found.T), shapes[number])
-        assert_allclose(np.linalg.norm(points - nearest, axis=1), np.abs(distance), atol=1e-12)
+        there = np.einsum("pk,pik->pi", real_harmonics(DEGREE, *found.T), shapes[number])
+        assert_allclose(np.linalg.norm(points - there, axis=1), np.abs(distance), atol=1e-12)
         assert (np.abs(distance) <= np.abs(away) + 1e-12).all()
         clear = np.abs(distance) > 1e-6
         assert (np.sign(distance) == np.sign(away))[clear].all()
 
 
-def test_one_program_serves_all_numbers() -> None:
+def test_one_program_serves_all_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nearest, "LOOPS_SERVE", False)
     search = nearest_point_search(DEGREE)
     angles, values = grid()
     before = None
@@ -89,6 +96,7 @@ def test_one_program_serves_all_numbers() -> None:
         points = np.einsum("pk,pik->pi", values[:count], shapes[which]) + 0.05
         nearest_points(search, points, which, shapes, angles[:count])
         size = _searched._cached._cache_size()
+        assert size > 0
         assert before is None or size == before
         before = size
 

@@ -15,7 +15,7 @@ import numpy as np
 from breakup_runs import EVERY, FOLDER, PAPER_TIMES, first_time, load, order_measures
 from page import Page
 
-from celltrain import Base, Run, Stability, evolve, resume
+from celltrain import Base, CaseError, Run, Stability, evolve, resume
 from celltrain.cli.progress import Reporter
 from celltrain.evolution import Disturbance, Repulsion
 from celltrain.evolution.record.recompute import pressure_drops
@@ -64,8 +64,6 @@ class End:
     range: float
     strength: float
     reached: float
-    evaluations: int
-    message: str
     out_of_order: float | None
     thinnest: float
     energy_share: float
@@ -91,6 +89,11 @@ def simulate_films(name: str, path: Path) -> None:
     until = END - BEGIN
     with Reporter() as progress:
         if path.exists():
+            run = Run.load(path)
+            if (run.repulsion, run.disturbance) != (FILMS[name], str(FromLeading())):
+                raise CaseError(
+                    f"{str(path)!r} is not allowed as {name!r}: it is another simulation"
+                )
             resume(path, until=until, progress=progress.step)
             return
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -174,30 +177,30 @@ def collected(folder: Path, page: Page) -> dict[str, Any]:
 
 
 def _parts(run: Run) -> Iterator[Statistics]:
-    """The disturbed train at first, and the disorder in two halves: from the paper's last time on.
-
-    As long as the simulation does not go far beyond that, its last part.
-    """
-    last = float(run.times[-1])
-    begin = END if last >= END + LAST_PART else last - LAST_PART
-    middle = 0.5 * (begin + last)
+    """The train as it was disturbed, then its flow in two halves from when it was out of order."""
+    last, lost = float(run.times[-1]), _out_of_order(run)
     yield statistics(run, 0.0, EVERY)
-    yield statistics(run, begin, middle)
-    yield statistics(run, middle, last)
+    if lost is not None and last >= lost + 4.0 * EVERY:
+        middle = 0.5 * (lost + last)
+        yield statistics(run, lost, middle)
+        yield statistics(run, middle, last)
+
+
+def _out_of_order(run: Run) -> float | None:
+    """When the order was lost, in the run's own time, if it was."""
+    return first_time(run.times, order_measures(run)["spacing"] > 0.5)
 
 
 def _end(run: Run, offset: float) -> End:
     times, history = run.times + offset, run.history
     reached = float(min(times[-1], END))
     early = history["time"] + offset <= END
-    lost = first_time(times, order_measures(run)["spacing"] > 0.5)
+    lost = _out_of_order(run)
     return End(
         range=run.repulsion.range,
         strength=run.repulsion.strength,
         reached=reached,
-        evaluations=int(history["evaluations"][early][-1]),
-        message=run.ending.message,
-        out_of_order=lost,
+        out_of_order=None if lost is None or lost + offset > END else lost + offset,
         thinnest=float(history["gap"][early].min()),
         energy_share=float((history["film_energy"] / history["energy"])[early].max()),
         last=statistics(run, reached - LAST_PART, reached, offset),
@@ -231,10 +234,11 @@ def _disorder(page: Page, parts: list[Statistics]) -> None:
     )
     page.text(
         f"""
-The leading simulation, first the train as it was disturbed, then what it became, in two halves;
-root mean squares over cells and frames, the pressure drop with its standard deviation in time. Its
-states every {KEPT_EVERY:g} r0/U and its last one are in `docs/validation/data/{STATES.name}`, a
-simulation's file without the steps: `celltrain evolve --resume` goes on with it.
+The leading simulation: the train as it was disturbed, then its flow in two halves from when it was
+out of order, as far as it was followed. Root mean squares over cells and frames, the pressure drop
+with its standard deviation in time. Its states every {KEPT_EVERY:g} r0/U and its last one are in
+`docs/validation/data/{STATES.name}`, a simulation's file without the steps: `celltrain evolve
+--resume` goes on with it.
 """
     )
 
@@ -242,14 +246,14 @@ simulation's file without the steps: `celltrain evolve --resume` goes on with it
 def _films(page: Page, ends: dict[str, End]) -> None:
     page.table(
         (
-            *("range, r0", "strength, mu U", "out of order at", "thinnest film, r0"),
+            *("range, r0", "strength, mu U", "until", "out of order at", "thinnest film, r0"),
             *("largest energy of films", "mean velocity of cells, U", "deviations along, U"),
             *("across, U", "deviation of the spacing, periods", "off the axis, r0"),
             *("inclination, degrees", "pressure drop beyond plasma's, %"),
         ),
         [
             (
-                *(f"{each.range:g}", f"{each.strength:g}"),
+                *(f"{each.range:g}", f"{each.strength:g}", f"{each.reached:.0f}"),
                 "in order" if each.out_of_order is None else f"{each.out_of_order:.0f}",
                 *(f"{each.thinnest:.4f}", f"{each.energy_share:.1e}"),
                 *_numbers(each.last),

@@ -52,7 +52,7 @@ ANALYSIS = (
         pages="430-455",
         year=2002,
         doi="10.1006/jcph.2002.6995",
-        note="The exponential method of the simulations, ETD2RK there.",
+        note="ETD2RK: the first exponential step of a simulation, and what errors are measured by.",
         modules=("evolution.methods.exponential",),
     ),
     Source(

@@ -41,8 +41,8 @@ class _Announcement(event.Listener):
 class Reporter:
     """Shows how a computation goes on; gives the callbacks that the computations take.
 
-    On a terminal it is a live display; otherwise a line for each iteration, and of what has
-    an end for each tenth and for each minute.
+    On a terminal it is a live display; otherwise a line for each iteration and, of what has an
+    end, for each tenth and each minute.
     """
 
     def __init__(self, *, quiet: bool = False) -> None:

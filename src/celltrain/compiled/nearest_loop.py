@@ -32,9 +32,10 @@ from celltrain.compiled.near_loops import FAST
 from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
 
 NEAREST = "celltrain_nearest"
-#: Theta, phi, distance with its sign, stretch, whether it converged.
+#: Columns of what is found: theta, phi, distance with its sign, stretch, whether it converged.
 FOUND = 5
 
+#: Bounds on the steps (radian) and their number.
 MAX_ITERATIONS = 30
 LONGEST_STEP = 0.3
 SHORTEST_STEP = 1e-9
@@ -133,30 +134,25 @@ def _jet(theta: float, phi: float, shape: Any, factors: Any, functions: Any, jet
     jet[:] = 0.0
     for o in range(degree):
         cosine, sine = math.cos(o * phi), math.sin(o * phi)
-        for i in range(3):
-            x = x1 = x11 = lap = y = y1 = y11 = yap = 0.0
-            u = u1 = v = v1 = 0.0
-            even, odd = shape[o, 0, i], shape[o, 1, i]
-            for n in range(o, degree):
-                p, q = even[n], odd[n]
-                x += functions[_VALUE, o, n] * p
-                y += functions[_VALUE, o, n] * q
-                x1 += functions[_SLOPE, o, n] * p
-                y1 += functions[_SLOPE, o, n] * q
-                x11 += functions[_CURVATURE, o, n] * p
-                y11 += functions[_CURVATURE, o, n] * q
-                lap += functions[_LEVEL, o, n] * p
-                yap += functions[_LEVEL, o, n] * q
-                u += functions[_ACROSS, o, n] * p
-                v += functions[_ACROSS, o, n] * q
-                u1 += functions[_ACROSS_SLOPE, o, n] * p
-                v1 += functions[_ACROSS_SLOPE, o, n] * q
-            jet[0, i] += cosine * x + sine * y
-            jet[1, i] += cosine * x1 + sine * y1
-            jet[2, i] += cosine * v - sine * u
-            jet[3, i] += cosine * x11 + sine * y11
-            jet[4, i] += cosine * v1 - sine * u1
-            jet[5, i] -= cosine * lap + sine * yap
+        for side in range(2):
+            along, turned = (cosine, -sine) if side == 0 else (sine, cosine)
+            for i in range(3):
+                x = x1 = x2 = x11 = x12 = level = 0.0
+                coefficients = shape[o, side, i]
+                for n in range(o, degree):
+                    c = coefficients[n]
+                    x += functions[_VALUE, o, n] * c
+                    x1 += functions[_SLOPE, o, n] * c
+                    x2 += functions[_ACROSS, o, n] * c
+                    x11 += functions[_CURVATURE, o, n] * c
+                    x12 += functions[_ACROSS_SLOPE, o, n] * c
+                    level += functions[_LEVEL, o, n] * c
+                jet[0, i] += along * x
+                jet[1, i] += along * x1
+                jet[2, i] += turned * x2
+                jet[3, i] += along * x11
+                jet[4, i] += turned * x12
+                jet[5, i] -= along * level
     for i in range(3):
         jet[5, i] -= jet[3, i]
 
@@ -249,7 +245,7 @@ def nearest_on_host(points: Any, cells: Any, shapes: Any, guesses: Any) -> Any:
 
 @njit(error_model="numpy")
 def _nearest(frame: int, work: int) -> None:
-    """Parts: so many pairs."""
+    """Parts: `_PAIRS` pairs each."""
     pairs, _ = sizes(frame, 0)
     cells, _, size = sizes(frame, 2)
     points = numbers(frame, 0).reshape((pairs, 3))

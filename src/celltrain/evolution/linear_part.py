@@ -78,7 +78,8 @@ class LinearPart:
         """The change of shapes after a part of the step h of a level with the given whole change.
 
         With tau = part h it is tau phi_1(tau L) f + part^2 phi_2(tau L) phi_2(h L)^-1 c, c being
-        what the whole change has beside h phi_1(h L) f: the rest of the rates grows evenly in time.
+        what the whole change has beside h phi_1(h L) f, as if the rest of the rates grew evenly in
+        time.
         """
         step = step_of(level)
         whole = self._of_level(level)[1]

@@ -19,16 +19,17 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from celltrain.compiled import LOOPS_SERVE, NEAREST, compiled_or_plain, loop, nearest_on_host
+from celltrain.compiled.nearest_loop import (
+    FOUND,
+    LONGEST_STEP,
+    MAX_ITERATIONS,
+    SHORTEST_STEP,
+)
 from celltrain.harmonics import Shapes, degrees_and_orders
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.rotation import PoleRotation, pole_rotation
 from celltrain.runtime import constant
 
-MAX_ITERATIONS = 30
-LONGEST_STEP = 0.3
-SHORTEST_STEP = 1e-9
-# Columns of what is found: theta, phi, distance, stretch, whether it converged.
-FOUND = 5
 # Pairs at once; with many more their coefficients leave the cache.
 CHUNK = 64
 
@@ -165,14 +166,14 @@ def nearest_points(
 ) -> tuple[Float[np.ndarray, "point 2"], Float[np.ndarray, " point"]]:
     """Nearest points (theta, phi) of cells to points, and the distances, negative inside.
 
-    For points outside compiled programs; one program serves any number of points and cells.
+    For points outside compiled programs, any number of them.
 
     **Arguments:** `cells`: that of each point; `guesses`: as for the search, whose result this is.
     """
     if LOOPS_SERVE:
-        given = (np.ascontiguousarray(each, dtype=float) for each in (points, shapes, guesses))
-        at, of, near = given
-        found = nearest_on_host(at, np.ascontiguousarray(cells, dtype=np.int64), of, near)
+        # Copies, as arrays that cannot be written to would be another type, compiled anew.
+        at, of, near = (np.array(each, float, order="C") for each in (points, shapes, guesses))
+        found = nearest_on_host(at, np.array(cells, np.int64, order="C"), of, near)
         return found[:, :2], found[:, 2]
     angles, distances = np.zeros((len(points), 2)), np.zeros(len(points))
     for start in range(0, len(points), CHUNK):

@@ -1,4 +1,4 @@
-"""Which errors methods of second order allow, and how their steps follow them."""
+"""Which errors of a step are allowed, and how steps follow estimates of them of second order."""
 
 import math
 
@@ -14,9 +14,9 @@ SMALLEST_SCALE = 1e-6
 LARGEST_SCALE = 1.0
 # Largest error of a step over the thinnest film within the range of the repulsion.
 GAP_SHARE = 0.1
-# The correction of volumes (r0) after a step, over the tolerance: the paper's 1e-5 r0 at 1e-3; and
-# what is allowed at any tolerance, as it also has a part that grows with the step itself, what the
-# velocities' quadrature leaves of the flow through a membrane.
+# Allowed correction of volumes (r0) after a step over the tolerance: the paper's 1e-5 r0 at 1e-3.
+# Allowed at any tolerance: a part of it is proportional to the step, from the flow through a
+# membrane that quadrature leaves.
 VOLUME_SHARE = 0.01
 SMALLEST_CORRECTION = 1e-6
 # What part of the step that this allows is taken next: unlike errors, corrections vary little.

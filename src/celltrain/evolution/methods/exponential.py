@@ -66,10 +66,11 @@ class ExponentialAdams(Integrator[ExponentialMemory]):
         s' = s + h phi_1(h L) f(s) + h phi_2(h L) (g(d) - b) + 2 h phi_3(h L) b,
         b = (g(d) + r g(d_0))/(1 + 1/r),
 
-    two evaluations of f. Its error is taken to be what b changes, that of second order (Cox &
-    Matthews 2002), which is how the first step is made. Steps follow how far the train is from its
-    linear dynamics, not the stiffness of its membranes. Its tolerance is that of
-    `RungeKuttaChebyshev`; about a tenth of it leaves as little, for fast modes are damped less.
+    two evaluations of f. Its error is taken to be what b changes, which is the error of the method
+    of second order without b (Cox & Matthews 2002); that makes the first step, whose error is taken
+    to be what g(d) changes. Steps follow how far the train is from its linear dynamics, not the
+    stiffness of its membranes. `tolerance` means what it does in `RungeKuttaChebyshev`, also for
+    volumes, but fast modes keep larger errors: a tenth of it leaves about as much.
     """
 
     tolerance: Annotated[float, Quantity("", "1", "bound on the error of a step, relative")] = 1e-3

@@ -65,7 +65,7 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
     membrane, relative to the largest distance of the membranes from the steady train, that taken as
     1 r0 at most. So small disturbances are as accurate as large ones. Where the repulsion acts the
     error is no more than a tenth of the thinnest film. Nor do volumes have to be corrected by more
-    than a hundredth of the tolerance, in r0.
+    than a hundredth of the tolerance in r0, or 1e-6 r0 if that is more.
     """
 
     tolerance: Annotated[float, Quantity("", "1", "bound on the error of a step, relative")] = 1e-3
