@@ -208,6 +208,61 @@ def test_order_of_the_method_on_a_train(
     assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 3.0, atol=0.5)
 
 
+class NoLinearPart(LinearPart):
+    """L = 0, of which the functions are 1, 1/2 and 1/6."""
+
+    def turns(self, shapes: np.ndarray) -> np.ndarray:
+        return np.zeros((len(shapes), 3, 3))
+
+    def applied(self, turns: np.ndarray, change: np.ndarray) -> np.ndarray:
+        return 0.0 * change
+
+    def phi_1(self, level: int, turns: np.ndarray, change: np.ndarray) -> np.ndarray:
+        return change
+
+    def phi_2(self, level: int, turns: np.ndarray, change: np.ndarray) -> np.ndarray:
+        return change / 2.0
+
+    def phi_3(self, level: int, turns: np.ndarray, change: np.ndarray) -> np.ndarray:
+        return change / 6.0
+
+
+class Clock:
+    """The first number goes evenly, the rate of the second is the square of the first."""
+
+    def __init__(self, like: State, base: Base) -> None:
+        self.like, self.linear_part = like, NoLinearPart(base)
+
+    def rates(self, shapes: np.ndarray) -> np.ndarray:
+        rates = np.zeros_like(shapes)
+        rates[0, 0, 0], rates[0, 0, 1] = 1.0, shapes[0, 0, 0] ** 2
+        return rates
+
+    def state(self, time: float, shapes: np.ndarray) -> State:
+        return replace(self.like, time=time, shapes=shapes, rates=self.rates(shapes))
+
+    def continuous(self, shapes: np.ndarray, laps: np.ndarray) -> np.ndarray:
+        del laps
+        return shapes
+
+    def displacement(self, change: np.ndarray) -> float:
+        return float(np.abs(change).max())
+
+    departure = displacement
+
+
+def test_of_rates_that_are_parabolas_unequal_steps_are_exact(
+    dynamics: Dynamics, coarse_base: Base
+) -> None:
+    clock: Any = Clock(dynamics.state(0.0, np.asarray(dynamics.base)), coarse_base)
+    begin = clock.state(0.0, np.zeros_like(dynamics.base))
+    # The first step, which knows none before, is of second order: its error is taken away.
+    first = marched(clock, begin, [0.5])
+    error = first.shapes[0, 0, 1] - 0.5**3 / 3.0
+    end = marched(clock, begin, [0.5, 0.25, 1.0, 1.0, step_of(1)])
+    assert_allclose(end.shapes[0, 0, 1] - error, end.time**3 / 3.0, rtol=1e-13)
+
+
 def test_estimated_errors_are_near_the_true_ones(coarse_base: Base) -> None:
     single = replace(coarse_base, train=coarse_base.train.changed(cells=1))
     dynamics = train_dynamics(single, Repulsion(), wall_gap=0.8)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from breakup_ends import FILMS, ends_section, simulate_films
+from breakup_ends import FILMS, ends_section, keep_states, simulate_films
 from breakup_linear import PAPER_SLOWER, ad_hoc_section
 from breakup_runs import AMPLITUDE, CASES, CLOSE, DENSE, PAPER_TIMES, at, simulate, summarise
 from page import FOLDER, Page, plain_figure
@@ -76,7 +76,14 @@ def study(
     elsewhere: Mapping[str, Path] | None = None,
 ) -> None:
     for name in wanted:
-        (simulate if name in CASES else simulate_films)(name, folder / f"{name}.nc")
+        path = folder / f"{name}.nc"
+        if name in CASES:
+            simulate(name, path)
+        else:
+            simulate_films(name, path)
+        if name == "leading":
+            # From what is kept of it the others begin.
+            keep_states(path)
     page = Page("breakup", "Breakup of a train")
     page.text(
         """

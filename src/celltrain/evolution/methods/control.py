@@ -79,5 +79,5 @@ def shorter_step(step: float, error: float, *, tolerance: float, work: Work) -> 
         return shorter
     if not finite:
         raise StepFailed("not_finite", "shapes or velocities have become NaN", **vars(work))
-    message = f"an error of {tolerance:g} needs steps below {SMALLEST_STEP:g} r0/U"
+    message = f"the tolerance {tolerance:g} needs steps below {SMALLEST_STEP:g} r0/U"
     raise StepFailed("step_too_small", message, **vars(work))
