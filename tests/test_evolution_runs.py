@@ -124,7 +124,7 @@ def test_a_file_holds_everything(whole: Run, whole_path: Path) -> None:
     known |= {f"frames_{name}": each for name, each in KEPT_OF_FRAMES.items()}
     assert set(whole.history) == set(STEP_QUANTITIES)
     assert set(whole.frames) == set(KEPT_OF_FRAMES)
-    with xr.open_dataset(whole_path, engine="h5netcdf", decode_times=False) as data:
+    with xr.open_dataset(whole_path, engine="netcdf4", decode_times=False) as data:
         for name, each in known.items():
             assert data[name].ndim == len(each.dims)
             assert data[name].attrs["units"] == each.unit
@@ -174,10 +174,10 @@ def test_a_disturbance_from_the_file_of_a_run(whole: Run, whole_path: Path) -> N
 def test_a_file_of_another_version_says_so(
     whole_path: Path, tmp_path: Path, missing: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    data = xr.load_dataset(whole_path, engine="h5netcdf", decode_times=False)
+    data = xr.load_dataset(whole_path, engine="netcdf4", decode_times=False)
     data.attrs["celltrain_version"] = "0.0.7"
     path = tmp_path / "old.nc"
-    data.drop_vars(missing).to_netcdf(path, engine="h5netcdf")
+    data.drop_vars(missing).to_netcdf(path, engine="netcdf4")
     before = path.read_bytes()
     with pytest.raises(OSError, match=rf"by celltrain 0\.0\.7 and lacks.*{missing}"):
         Run.load(path)

@@ -150,7 +150,7 @@ def test_what_is_refused(coarse_base: Base) -> None:
 
 def test_files_and_pictures(curves: InfiniteTrain, tmp_path) -> None:
     assert load(save(curves, tmp_path / "curves.nc")) == curves
-    with xr.open_dataset(tmp_path / "curves.nc", engine="h5netcdf") as data:
+    with xr.open_dataset(tmp_path / "curves.nc", engine="netcdf4") as data:
         assert_allclose(data["leading_m01_growth_rate"], curves.growth_rates(1), rtol=0)
         assert float(data["most_unstable_growth_rate"]) == curves.most_unstable.growth_rate
         assert data["leading_m01_growth_rate"].attrs["units"] == "U/r0"

@@ -2,6 +2,7 @@ import json
 import os
 import re
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, is_dataclass, replace
 from io import StringIO
 from pathlib import Path
@@ -20,7 +21,7 @@ from celltrain.quantities import Quantity, Record, equal, quantities, quantity_o
 from celltrain.quantities.fields import hints
 from celltrain.results import from_dataset, save, summary, to_dataset
 from celltrain.results.columns import from_variables, to_variables, walk
-from celltrain.results.netcdf import FORM
+from celltrain.results.netcdf import FORM, ForeignFile
 from celltrain.stability import Stability
 from celltrain.stability.verdict import verdict
 from celltrain.steady import Base
@@ -80,7 +81,7 @@ def test_every_number_of_a_file_says_what_it_is(
     path = save(make_stability(), tmp_path / "result.nc")
     known = {name: quantity_of(kind, field).meaning for name, kind, field in walk(Stability)}
     seen = set()
-    with xr.open_dataset(path, engine="h5netcdf") as data:
+    with xr.open_dataset(path, engine="netcdf4") as data:
         for name, variable in data.variables.items():
             stem = re.sub(r"(_m\d\d)?(_real|_imag)?$", "", str(name))
             if stem not in known:
@@ -203,7 +204,7 @@ def test_what_has_no_form_in_files_is_refused() -> None:
 
 def test_file_describes_itself(make_stability: Callable[..., Stability], tmp_path: Path) -> None:
     path = save(make_stability(), tmp_path / "result.nc")
-    with xr.open_dataset(path, engine="h5netcdf") as data:
+    with xr.open_dataset(path, engine="netcdf4") as data:
         assert data.attrs["kind"] == "stability"
         assert "diameter = 6.0" in str(data["base_train"].values)
         assert data.attrs["celltrain_version"]
@@ -234,9 +235,36 @@ def test_missing_folder_is_an_error(make_base: Callable[..., Base], tmp_path: Pa
 
 def test_foreign_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "foreign.nc"
-    xr.Dataset({"x": ("y", np.arange(3))}).to_netcdf(path, engine="h5netcdf")
+    xr.Dataset({"x": ("y", np.arange(3))}).to_netcdf(path, engine="netcdf4")
     with pytest.raises(ValueError, match="holds no result"):
         load(path)
+
+
+def test_a_damaged_file_is_refused(make_base: Callable[..., Base], tmp_path: Path) -> None:
+    whole = save(make_base(), tmp_path / "base.nc").read_bytes()
+    path = tmp_path / "damaged.nc"
+    # The file's end is zeros, which nobody misses.
+    cut = whole[: len(whole.rstrip(b"\0")) // 2]
+    for content in (b"", b"no file of results", cut):
+        path.write_bytes(content)
+        with pytest.raises(ForeignFile, match=r"damaged\.nc' is no netCDF file, or a damaged one"):
+            load(path)
+
+
+def test_any_name_may_be_a_files(make_base: Callable[..., Base], tmp_path: Path) -> None:
+    base = make_base()
+    for name in ("first#mode=zarr.nc", "Größe?x=[1].nc", "https:a.nc"):
+        assert_identical(load(save(base, tmp_path / name)), base)
+
+
+def test_files_of_several_threads_do_not_disturb_each_other(
+    make_base: Callable[..., Base], tmp_path: Path
+) -> None:
+    base = make_base()
+    with ThreadPoolExecutor(4) as threads:
+        paths = list(threads.map(lambda n: save(base, tmp_path / f"{n}.nc"), range(16)))
+        for loaded in threads.map(load, paths):
+            assert_identical(loaded, base)
 
 
 def test_a_file_of_another_version_says_so(
@@ -245,14 +273,14 @@ def test_a_file_of_another_version_says_so(
     data = to_dataset(make_stability())
     data.attrs["celltrain_version"] = "0.0.9"
     path = tmp_path / "other.nc"
-    data.drop_vars("convergence_degrees").to_netcdf(path, engine="h5netcdf")
+    data.drop_vars("convergence_degrees").to_netcdf(path, engine="netcdf4")
     with pytest.raises(OSError, match=r"celltrain 0\.0\.9 and lacks .*convergence_degrees"):
         load(path)
     for form, words in ((FORM - 1, "an older form .* computed anew"), (FORM + 1, "a newer form")):
-        data.assign_attrs(form=form).to_netcdf(path, engine="h5netcdf")
+        data.assign_attrs(form=form).to_netcdf(path, engine="netcdf4")
         with pytest.raises(OSError, match=rf"celltrain 0\.0\.9 in {words}"):
             load(path)
-    data.assign_attrs(kind="riddle").to_netcdf(path, engine="h5netcdf")
+    data.assign_attrs(kind="riddle").to_netcdf(path, engine="netcdf4")
     with pytest.raises(ValueError, match="kind 'riddle'; known are: base, boundary"):
         load(path)
     with pytest.raises(ValueError, match="it holds no base, but: stability"):

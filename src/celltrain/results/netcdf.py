@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Lock
 from typing import TypeVar
 
 import xarray as xr
@@ -24,6 +25,10 @@ UNITS = (
 HEADER = ("kind", "celltrain_version", "form", "units")
 
 Result = TypeVar("Result", bound=Record)
+
+# netCDF's library runs in one thread at a time; an interrupted simulation is saved in another one
+# than that which marches.
+_ONE_AT_A_TIME = Lock()
 
 
 class ForeignFile(ValueError):
@@ -80,8 +85,9 @@ def write_dataset(data: xr.Dataset, path: Path) -> Path:
     """
     # No fill values: every number is meant, and an infinite step is no gap in the data.
     encoding = {name: {"_FillValue": None} for name in data.variables}
-    # Made in memory: when the disk is full, HDF5 leaves its file open and ends the process.
-    content = data.to_netcdf(None, engine="h5netcdf", encoding=encoding)
+    # Made in memory: a full disk then leaves no library with a file that it cannot close.
+    with _ONE_AT_A_TIME:
+        content = data.to_netcdf(None, engine="netcdf4", encoding=encoding)
     replace_file(path, lambda part: part.write_bytes(content))
     return path
 
@@ -93,11 +99,14 @@ def read_dataset(path: str | Path) -> xr.Dataset:
         OSError: if the file cannot be read.
         ForeignFile: if it is not of this package.
     """
+    # Read by Python: to netCDF's library some names are addresses, or end at a "#".
+    content = Path(path).read_bytes()
     try:
-        with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
+        with _ONE_AT_A_TIME, xr.open_dataset(content, engine="netcdf4", decode_times=False) as data:
             data.load()
-    except KeyError as error:
-        raise ForeignFile(f"{str(path)!r} is not a netCDF file of results: {error}") from None
+    except (OSError, KeyError, ValueError, RuntimeError) as error:
+        # What it says names the content in memory, not the file.
+        raise ForeignFile(f"{str(path)!r} is no netCDF file, or a damaged one") from error
     if "kind" not in data.attrs or "celltrain_version" not in data.attrs:
         raise ForeignFile(f"{str(path)!r} is a netCDF file, but holds no result of celltrain")
     return data
