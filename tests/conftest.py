@@ -1,6 +1,8 @@
 """What several tests share. Annotations of arrays are checked while the tests run."""
 
 # ruff: noqa: E402
+import gc
+import os
 import sys
 from collections.abc import Callable, Iterator
 
@@ -27,6 +29,12 @@ TYPED = (
     "pictures",
     "explore",
 )
+# Half of the time of the programs in here is their compilation, and half of that LLVM's search for
+# faster ones; that those that users run give the same is a test of its own (`test_train`).
+os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
+# As the command line does; what tests compile makes every look for garbage long.
+gc.set_threshold(50_000, 20, 50)
+
 install_import_hook([f"celltrain.{name}" for name in TYPED], "beartype.beartype")
 
 from celltrain.harmonics import azimuthal_basis, real_harmonics

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from celltrain import runtime
 from celltrain.compiled import FORCE_PAIRS, LOOPS_SERVE, NODE_FORCES, STRESSLET_PAIRS, loop
 from celltrain.compiled.call_frame import differences
 from celltrain.compiled.header import HEADER, Header
@@ -164,7 +165,9 @@ numpy.savez({str(tmp_path / "sums.npz")!r}, *here["sums"]())
 
 
 @pytest.mark.parametrize("platform", ["cuda", "rocm", "tpu"])
-def test_other_platforms_get_formulas(platform: str) -> None:
+def test_other_platforms_get_formulas(platform: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    # As where there is another platform beside the processors.
+    monkeypatch.setattr(runtime, "only_processors", lambda: False)
     by_pairs, by_nodes = inputs()
     names = (FORCE_PAIRS, STRESSLET_PAIRS, NODE_FORCES)
     for function, given, loops in (

@@ -151,7 +151,8 @@ assert FRAME_QUANTITIES["energy_locking"].symbol == "W_l"
 
 def test_a_modulus_of_ones_own_touches_its_law_and_the_section(tmp_path: Path) -> None:
     copy = tmp_path / "celltrain"
-    shutil.copytree(SOURCE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    # With the machine code of its loops, which takes a minute to compile.
+    shutil.copytree(SOURCE, copy)
     laws, sections = copy / "laws/constitutive.py", copy / "parameters/sections.py"
     laws.write_text(laws.read_text() + LAW)
     before = "    bending_modulus: Annotated["

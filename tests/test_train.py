@@ -181,6 +181,24 @@ def test_volume_is_conserved_exactly(
     assert_allclose(drift, 0.0, atol=1e-13 * np.linalg.norm(gradient) * np.linalg.norm(found))
 
 
+def test_the_programs_of_users_give_what_those_of_tests_give(
+    any_shapes: CellsOperator, skewed: np.ndarray, rates: Rates
+) -> None:
+    """Compiled with the optimisations that `conftest` switches off."""
+    arrays, rest = eqx.partition(any_shapes, eqx.is_array)
+    optimised = jax.jit(
+        lambda arrays, shapes: eqx.combine(arrays, rest).rates(shapes),
+        compiler_options={
+            "xla_backend_optimization_level": 3,
+            "xla_llvm_disable_expensive_passes": False,
+        },
+    )
+    found, expected = np.asarray(optimised(arrays, jnp.asarray(skewed))), rates(any_shapes, skewed)
+    assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+    # Another program, all the same.
+    assert not np.array_equal(found, expected)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_energy_is_only_lost_without_flow(
     seed: int, axisymmetric: np.ndarray, any_shapes: CellsOperator, rates: Rates

@@ -7,6 +7,7 @@ import jax
 from jaxtyping import Array, Float
 
 from celltrain.compiled.call_frame import LOOPS_SERVE
+from celltrain.runtime import by_platform
 
 
 def loop(name: str, shape: tuple[int, ...], *arguments: Array) -> Float[Array, "..."]:
@@ -20,9 +21,9 @@ def compiled_or_plain(
 ) -> Float[Array, "..."]:
     """What the compiled loops give on processors where they serve, and the formula elsewhere.
 
-    Which of them a program contains is decided when it is compiled for a platform. Both take the
-    same arguments, arrays or trees of them, and agree to rounding.
+    Which of them a program contains is decided when it is compiled for a platform, or before where
+    there is only one. Both take the same arguments, arrays or trees of them, and agree to rounding.
     """
     if not LOOPS_SERVE:
         return plain(*arguments)
-    return jax.lax.platform_dependent(*arguments, cpu=compiled, default=plain)
+    return by_platform({"cpu": compiled}, plain, *arguments)

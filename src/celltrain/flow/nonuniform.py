@@ -11,10 +11,9 @@ transform.
 """
 
 import math
-from collections.abc import Callable
 from functools import cache, reduce
 from importlib.util import find_spec
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import jax
 import jax.numpy as jnp
@@ -23,7 +22,7 @@ from jax_finufft import nufft1, nufft2
 from jaxtyping import Array, Complex, Float
 from scipy.fft import next_fast_len
 
-from celltrain.runtime import NUFFT_OPTIONS
+from celltrain.runtime import NUFFT_OPTIONS, by_platform
 
 Angles: TypeAlias = tuple[Float[Array, " point"], ...]
 Shape: TypeAlias = tuple[int, ...]
@@ -50,7 +49,7 @@ def points_to_modes(
     def plain(values: Array, *angles: Array) -> Array:
         return plain_points_to_modes(shape, values, angles, tolerance)
 
-    return _by_platform(built, plain, values, *angles)
+    return by_platform(dict.fromkeys(BUILT, built), plain, values, *angles)
 
 
 def modes_to_points(
@@ -65,7 +64,7 @@ def modes_to_points(
     def plain(modes: Array, *angles: Array) -> Array:
         return plain_modes_to_points(modes, angles, tolerance)
 
-    return _by_platform(built, plain, modes, *angles)
+    return by_platform(dict.fromkeys(BUILT, built), plain, modes, *angles)
 
 
 def fields_at_points(
@@ -82,14 +81,6 @@ def in_pairs(components: Array) -> Array:
     if components.shape[0] % 2:
         components = jnp.concatenate([components, jnp.zeros_like(components[:1])])
     return components[0::2] + 1j * components[1::2]
-
-
-def _by_platform(
-    built: Callable[..., Array], plain: Callable[..., Array], *arguments: Array
-) -> Array:
-    choices: dict[str, Any] = dict.fromkeys(BUILT, built)
-    found: Array = jax.lax.platform_dependent(*arguments, **choices, default=plain)
-    return found
 
 
 def plain_points_to_modes(
