@@ -29,7 +29,7 @@ TYPED = (
     "pictures",
     "explore",
 )
-# Half of the time of the programs in here is their compilation, and half of that LLVM's search for
+# Half of the time of the programs is their compilation, and half of that LLVM's search for
 # faster ones; that those that users run give the same is a test of its own (`test_train`).
 os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
 # As the command line does; what tests compile makes every look for garbage long.
