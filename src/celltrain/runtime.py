@@ -81,7 +81,7 @@ def by_platform(
     **Arguments:** `choices`: functions by platforms; `default`: for all others.
     """
     if only_processors():
-        # Nothing else is traced: that takes a fifth of the time before a simulation's first step.
+        # Nothing else is traced, which takes half of the time of tracing a simulation.
         return choices.get("cpu", default)(*arguments)
     found: Array = jax.lax.platform_dependent(*arguments, **choices, default=default)
     return found
