@@ -261,6 +261,14 @@ def _films(page: Page, ends: dict[str, End]) -> None:
             for each in ends.values()
         ],
     )
+    lost = [each.out_of_order for each in ends.values() if each.out_of_order is not None]
+    missing = ", ".join(name for name in FILMS if name not in ends)
+    page.text(
+        f"""
+Of these {len(ends)} simulations {len(lost)} are out of order at the end{_between(lost)}.
+{f"Not computed: {missing}." if missing else ""}
+"""
+    )
     page.text(
         f"""
 From the state at t = {BEGIN:.0f} r0/U, where no film is within {Repulsion().range:g} r0 yet, until
@@ -269,6 +277,10 @@ changed. The columns from the mean velocity on are of the last {LAST_PART:.0f} r
 energy of films": over that of the membranes.
 """
     )
+
+
+def _between(times: list[float]) -> str:
+    return f", since t = {min(times):.0f} to {max(times):.0f} r0/U" if times else ""
 
 
 def _numbers(each: Statistics) -> tuple[str, ...]:
