@@ -253,7 +253,7 @@ def test_a_damaged_file_is_refused(make_base: Callable[..., Base], tmp_path: Pat
 
 def test_any_name_may_be_a_files(make_base: Callable[..., Base], tmp_path: Path) -> None:
     base = make_base()
-    for name in ("first#mode=zarr.nc", "Größe?x=[1].nc", "https:a.nc"):
+    for name in ("Größe?x=[1].nc", os.fsdecode(b"not UTF-8 \xff.nc")):
         assert_identical(load(save(base, tmp_path / name)), base)
 
 

@@ -1,4 +1,4 @@
-"""One place for the settings of JAX, imported by every module that uses it.
+"""The settings of JAX, and what depends on its platforms, for every module that uses it.
 
 * 64-bit floats. They must be switched on before the first array exists.
 * The persistent compilation cache, so that the second run of a command does not compile again. Its

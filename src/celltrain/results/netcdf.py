@@ -99,7 +99,7 @@ def read_dataset(path: str | Path) -> xr.Dataset:
         OSError: if the file cannot be read.
         ForeignFile: if it is not of this package.
     """
-    # Read by Python: to netCDF's library some names are addresses, or end at a "#".
+    # Read by Python: netCDF's library opens no file whose name is not UTF-8.
     content = Path(path).read_bytes()
     try:
         with _ONE_AT_A_TIME, xr.open_dataset(content, engine="netcdf4", decode_times=False) as data:
