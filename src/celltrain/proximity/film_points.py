@@ -3,21 +3,23 @@
 Two grids on the parameter sphere serve. The coarse one, on all cells, tells which parts of which
 cells can be within the distance at all; the fine one's points there are compared with each other,
 and of those that can be within the distance Newton's method finds the nearest point of the other
-surface. All is done on the host: such points are few, if there are any.
+surface. All is done on the host: such points are few, if there are any. Parts of one membrane that
+face each other are found likewise (`own_sides`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.spatial import cKDTree
 
-from celltrain.harmonics import Shapes, real_harmonics, surface_points, unit_vectors
-from celltrain.harmonics.grid import sphere_grid
-from celltrain.harmonics.tables import harmonic_tables
+from celltrain.compiled.facing_loop import BEND
+from celltrain.harmonics import Shapes, real_harmonics, surface_points
 from celltrain.proximity.boxes import close_boxes, image_shift
 from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
+from celltrain.proximity.own_sides import OwnSidesSearch, own_sides_search
+from celltrain.proximity.surface_grid import SurfaceGrid, Vectors, surface_grid
 from celltrain.proximity.walls import Wall
 
 Points = Float[np.ndarray, "point 3"]
@@ -27,18 +29,17 @@ COARSE = 3
 FINE = 6
 # Largest length on a membrane, over that on the unit sphere, that the search allows for.
 STRETCH = 2.0
-# Half the largest curvature, 1/r0, that the choice of points for Newton's method allows for.
-BEND = 3.0
 
 
 @dataclass(frozen=True)
 class FilmPoints:
-    """Points of cells, each with the nearest point of another cell or of a cell's image.
+    """Points of membranes, each with the nearest point of what is across the film.
 
     Attributes:
-        cell, other: the cell that a point lies on, and the other one.
+        cell, other: the cell that a point lies on, and the other one; the same one for its image,
+            or for another part of its membrane.
         node: number of the point in the fine grid.
-        distance: from the other cell, r0; negative inside it.
+        distance: from the other membrane, r0; negative where they cross.
         direction: unit vector from the nearest point to the point.
         nearest: harmonics at the nearest point.
     """
@@ -79,52 +80,68 @@ class _Side:
 class FilmGrid:
     """The two grids, for shapes with the harmonics below one degree.
 
-    `coarse` and `fine` are the harmonics at their points, `slopes` those of the fine one in
-    colatitude and longitude, `angles` these two, and `parent` the nearest point of the coarse one.
+    `parent` is the nearest point of the coarse one to each of the fine one.
     """
 
     degree: int
-    coarse: Float[np.ndarray, "node coefficient"]
-    fine: Float[np.ndarray, "point coefficient"]
-    slopes: Float[np.ndarray, "2 point coefficient"]
-    angles: Float[np.ndarray, "point 2"]
+    coarse: SurfaceGrid
+    fine: SurfaceGrid
     parent: Int[np.ndarray, " point"]
     search: NearestPointSearch
+    own_sides: OwnSidesSearch
 
     def find(self, shapes: Shapes, *, within: float, period: float) -> FilmPoints:
-        """All points less than `within` (r0) from another cell; cells recur with the period."""
-        sides = self._sides(shapes, within, period)
+        """All points less than `within` (r0) from another cell, or another part of their own.
+
+        Cells recur with the period.
+        """
+        points, areas, stretch = self.coarse.surfaces(shapes)
+        found = self._between_cells(shapes, points, within, period)
+        for cell, sides in self.own_sides.find(shapes, points, areas, stretch, within=within):
+            number = np.full_like(sides.node, cell)
+            found.append(
+                FilmPoints(number, number, sides.node, sides.gap, sides.direction, sides.nearest)
+            )
+        parts = ([getattr(each, name.name) for each in found] for name in fields(FilmPoints))
+        return FilmPoints(*(np.concatenate(each) for each in parts))
+
+    def _between_cells(
+        self, shapes: Shapes, coarse: Vectors, within: float, period: float
+    ) -> list[FilmPoints]:
+        sides = self._sides(shapes, coarse, within, period)
         empty = np.zeros(0, dtype=int)
         cell = np.concatenate([empty, *(np.full_like(side.node, side.cell) for side in sides)])
         other = np.concatenate([empty, *(np.full_like(side.node, side.other) for side in sides)])
         node = np.concatenate([empty, *(side.node for side in sides)])
         guess = np.concatenate([empty, *(side.guess for side in sides)])
         points = np.concatenate([np.zeros((0, 3)), *(side.points for side in sides)])
-        angles, distance = nearest_points(self.search, points, other, shapes, self.angles[guess])
+        guesses = self.fine.angles[guess]
+        angles, distance = nearest_points(self.search, points, other, shapes, guesses)
         kept = distance < within
         nearest = real_harmonics(self.degree, *angles[kept].T)
         away = points[kept] - np.einsum("pk,pik->pi", nearest, shapes[other[kept]])
-        return FilmPoints(
-            cell=cell[kept],
-            other=other[kept],
-            node=node[kept],
-            distance=distance[kept],
-            direction=away / distance[kept, None],
-            nearest=nearest,
-        )
+        return [
+            FilmPoints(
+                cell=cell[kept],
+                other=other[kept],
+                node=node[kept],
+                distance=distance[kept],
+                direction=away / distance[kept, None],
+                nearest=nearest,
+            )
+        ]
 
     def at_wall(self, shapes: Shapes, *, within: float, wall: Wall) -> WallPoints:
         """All points less than `within` (r0) from the wall."""
-        least = wall.distance(surface_points(shapes, self.coarse)).min(axis=1)
+        least = wall.distance(surface_points(shapes, self.coarse.values)).min(axis=1)
         close = np.flatnonzero(least < within + _spacing(COARSE * self.degree))
-        points = surface_points(shapes[close], self.fine)
+        points = surface_points(shapes[close], self.fine.values)
         distance = wall.distance(points)
         place, node = np.nonzero(distance < within)
         inward = wall.inward(points[place, node])
         return WallPoints(close[place], node, distance[place, node], inward)
 
-    def _sides(self, shapes: Shapes, within: float, period: float) -> list[_Side]:
-        points = surface_points(shapes, self.coarse)
+    def _sides(self, shapes: Shapes, points: Vectors, within: float, period: float) -> list[_Side]:
         reach = within + 2.0 * _spacing(COARSE * self.degree)
         trees: dict[int, cKDTree] = {}
         sides = []
@@ -151,8 +168,8 @@ class FilmGrid:
         """Points of the fine grid that can be within the distance, of both cells."""
         first, second = cells
         nodes = [np.flatnonzero(each[self.parent]) for each in close]
-        here = self.fine[nodes[0]] @ shapes[first].T - shift
-        there = self.fine[nodes[1]] @ shapes[second].T
+        here = self.fine.values[nodes[0]] @ shapes[first].T - shift
+        there = self.fine.values[nodes[1]] @ shapes[second].T
         bound = float(np.hypot(within, _spacing(FINE * self.degree)))
         found = []
         for side, points, others in ((0, here, there), (1, there, here)):
@@ -162,7 +179,7 @@ class FilmGrid:
             guess = nodes[1 - side][index]
             # The distance from the plane that touches the surface at the nearest point of the grid
             # is right to half the curvature times the square of the distance along it.
-            down, around = self.slopes[:, guess] @ shapes[cells[1 - side]].T
+            down, around = self.fine.tables[1:, guess] @ shapes[cells[1 - side]].T
             normal = np.cross(down, around)
             away = points[number] - others[index]
             height = np.abs(np.sum(normal * away, axis=1)) / np.linalg.norm(normal, axis=1)
@@ -196,16 +213,8 @@ def _query(
 @lru_cache(maxsize=4)
 def film_grid(degree: int) -> FilmGrid:
     """Grids for the harmonics below `degree`."""
-    coarse, fine = sphere_grid(degree, COARSE * degree), sphere_grid(degree, FINE * degree)
-    angles = np.stack(fine.points(), axis=-1)
-    tables = harmonic_tables(degree, *fine.points())
-    parent = cKDTree(unit_vectors(*coarse.points())).query(unit_vectors(*fine.points()))[1]
-    return FilmGrid(
-        degree=degree,
-        coarse=np.asarray(coarse.values),
-        fine=np.asarray(fine.values),
-        slopes=np.stack([tables.d_theta, tables.d_phi]),
-        angles=angles,
-        parent=np.asarray(parent),
-        search=nearest_point_search(degree),
+    search = nearest_point_search(degree)
+    own = own_sides_search(
+        surface_grid(degree, COARSE * degree), surface_grid(degree, FINE * degree), search
     )
+    return FilmGrid(degree, own.coarse, own.fine, own.parent, search, own)

@@ -1,4 +1,4 @@
-"""Which cells overlap, or stick out of the tube: a check on shapes, outside compiled programs."""
+"""Which cells overlap, cross themselves, or stick out of the tube: a check on given shapes."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -12,21 +12,26 @@ from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.tables import harmonic_tables
 from celltrain.proximity.boxes import close_boxes, image_shift
+from celltrain.proximity.film_points import film_grid
 from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
 from celltrain.proximity.walls import NoWall, Wall
 
 # How far a surface may pass the bounding box of its grid points, over the box's largest side.
 SAG = 0.05
 NO_WALL = NoWall()
+# Distance of two parts of one membrane within which it is asked whether they cross, r0: where they
+# have just done so they are closer than that.
+FACING = 0.05
 
 
 @dataclass(frozen=True)
 class Overlap:
-    """A cell that overlaps another one, or the wall.
+    """A cell that overlaps another one, or the wall, or crosses itself.
 
-    `second` is displaced by `image` periods; it is None for the wall. `point` is that of all grid
+    `second` is displaced by `image` periods; it is None for the wall, and `first` without being
+    displaced where two parts of one membrane cross. `point` is that of all grid
     points of either cell which is deepest inside the other (or the wall), seen from `first`, and
-    `depth` how deep, both in r0.
+    `depth` how deep, both in r0; of parts that cross, among those closer than `FACING`.
     """
 
     first: int
@@ -39,6 +44,8 @@ class Overlap:
         where = "x = {:.3f}, y = {:.3f}, z = {:.3f}".format(*self.point)
         if self.second is None:
             return f"cell {self.first} reaches {self.depth:.2g} r0 into the wall at {where}"
+        if self.second == self.first and not self.image:
+            return f"two parts of cell {self.first} cross at {where}"
         other = f"cell {self.second}"
         if self.image:
             other += f" displaced by {self.image} period{'s' if abs(self.image) > 1 else ''}"
@@ -73,11 +80,10 @@ def overlaps(
     wall: Wall = NO_WALL,
     order: int | None = None,
 ) -> tuple[Overlap, ...]:
-    """All pairs of cells (and periodic images) that intersect, and cells beyond the wall.
+    """All pairs of cells (and images) that intersect, cells beyond the wall or across themselves.
 
     The grid points of each cell are tested by their signed distances from the other one, so what is
-    found is at least as deep as the sag of the surface between grid points. That a cell meets
-    itself is not looked for. Where no boxes of cells meet it takes no search.
+    found is at least as deep as the sag of the surface between grid points.
 
     **Arguments:** `period`: length of the train, in r0, infinite if nothing recurs; `images`: how
     many of them are looked at to each side; `wall`: which is to be looked at, none unless given;
@@ -87,7 +93,7 @@ def overlaps(
     degree = degree_of(shapes)
     tools = _tools(degree, 3 * degree if order is None else order)
     points = surface_points(shapes, tools.values)
-    found = _beyond_wall(points, wall)
+    found = _beyond_wall(points, wall) + _across_themselves(shapes)
     margin = SAG * float(np.ptp(points, axis=1).max())
     surfaces: dict[int, _Surface] = {}
     for first, second, image in close_boxes(points, within=margin, period=period, images=images):
@@ -115,6 +121,18 @@ def _beyond_wall(points: Float[np.ndarray, "cell point 3"], wall: Wall) -> list[
         for cell, depth in enumerate(depths)
         if depth > 0.0
     ]
+
+
+def _across_themselves(shapes: Shapes) -> list[Overlap]:
+    """Cells of which two parts have crossed."""
+    grid = film_grid(degree_of(shapes))
+    found = []
+    for cell, sides in grid.own_sides.find(shapes, *grid.coarse.surfaces(shapes), within=FACING):
+        deepest = int(np.argmin(sides.gap))
+        depth = -float(sides.gap[deepest])
+        if depth > 0.0:
+            found.append(Overlap(cell, cell, 0, sides.place[deepest], depth))
+    return found
 
 
 @cache

@@ -3,8 +3,10 @@
     E = 1/2 sum over cells a, b of int phi(d_b(x)) dA_a + sum over cells a of int phi(d_w) dA_a,
 
 with d_b(x) the distance of a point x of the membrane a from the membrane b (images and a cell's own
-included), d_w that from the wall, and dA_a the area that the membrane has at rest: the layer is
-bound to it. A film between two cells is integrated from both sides, hence the half.
+included, and for b = a the part of the membrane that faces x), d_w that from the wall, and dA_a the
+area that the membrane has at rest: the layer is bound to it. A film between two membranes is
+integrated from both sides, hence the half. Within a cell it is the film of its content between two
+parts of its membrane, which would pass through each other otherwise.
 
 The integrals are sums over the points of a grid. With w their areas, p = -phi', y the point of b
 that is nearest to x, and n the direction from y to x, the force of x is w p n/2 and that of y the
@@ -20,10 +22,9 @@ from jaxtyping import Float
 
 from celltrain.evolution.films.repulsion import Repulsion
 from celltrain.harmonics import Shapes
-from celltrain.harmonics.grid import sphere_grid
 from celltrain.membrane import resting_shape
 from celltrain.parameters import Cell, Sizes
-from celltrain.proximity.film_points import FINE, FilmGrid, film_grid
+from celltrain.proximity.film_points import FilmGrid, film_grid
 from celltrain.surroundings import Surroundings
 
 
@@ -82,9 +83,9 @@ class FilmForces:
         for cell in range(len(shapes)):
             mine, theirs, wall = found.cell == cell, found.other == cell, walls.cell == cell
             forces[cell] = (
-                push[mine].T @ self.grid.fine[found.node[mine]]
+                push[mine].T @ self.grid.fine.values[found.node[mine]]
                 - push[theirs].T @ found.nearest[theirs]
-                + wall_push[wall].T @ self.grid.fine[walls.node[wall]]
+                + wall_push[wall].T @ self.grid.fine.values[walls.node[wall]]
             )
             totals[cell] = size[mine].sum() + size[theirs].sum() + wall_size[wall].sum()
         return Films(gap, float(energy), float(totals.max()), forces)
@@ -95,11 +96,10 @@ def film_forces(
 ) -> FilmForces:
     """The repulsion in the films of equal cells, whose shapes have the degree of `sizes`."""
     grid = film_grid(sizes.degree)
-    down, around = grid.slopes @ resting_shape(cell, sizes.degree, sizes.grading).T
-    element = np.linalg.norm(np.cross(down, around), axis=-1) / np.sin(grid.angles[:, 0])
+    _, (areas,), _ = grid.fine.surfaces(resting_shape(cell, sizes.degree, sizes.grading)[None])
     return FilmForces(
         repulsion=repulsion,
         surroundings=surroundings,
         grid=grid,
-        areas=np.asarray(sphere_grid(1, FINE * sizes.degree).weights) * element,
+        areas=grid.fine.weights * np.linalg.norm(areas, axis=-1),
     )

@@ -1,0 +1,69 @@
+"""A compiled loop over the pairs of points of one surface that face each other closely."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+#: Half the largest curvature of a membrane, 1/r0, that a search for what is near allows for.
+BEND = 3.0
+
+
+@njit(cache=True, error_model="numpy")
+def facing_on_host(points: Any, normals: Any, starts: Any, within: float, far: float) -> Any:
+    """Which points [cell, point, 3] face a part of their own cell that may be within a distance.
+
+    They have a point with an opposed normal (negative product) near them: not farther away than
+    `within` and `far`, and in height, along the normal, not farther than `within` and what a
+    surface of the largest curvature may rise. Points are in blocks, one after the other; blocks
+    whose spheres are apart are passed by. **Arguments:** `starts`: number of the first point of
+    each block, and at last that of all points.
+    """
+    reach = within + far
+    cells, count, _ = points.shape
+    blocks = starts.size - 1
+    found = np.zeros((cells, count), dtype=np.bool_)
+    middle, radius = np.empty((blocks, 3)), np.empty(blocks)
+    for cell in range(cells):
+        for block in range(blocks):
+            first, last = starts[block], starts[block + 1]
+            for i in range(3):
+                middle[block, i] = points[cell, first:last, i].mean()
+            square = 0.0
+            for p in range(first, last):
+                square = max(square, _square(points[cell, p], middle[block]))
+            radius[block] = math.sqrt(square)
+        for one in range(blocks):
+            for other in range(one, blocks):
+                bound = radius[one] + radius[other] + reach
+                if _square(middle[one], middle[other]) >= bound * bound:
+                    continue
+                for p in range(starts[one], starts[one + 1]):
+                    for q in range(starts[other], starts[other + 1]):
+                        if _product(normals[cell, p], normals[cell, q]) >= 0.0:
+                            continue
+                        square = _square(points[cell, p], points[cell, q])
+                        if square >= reach * reach:
+                            continue
+                        height = abs(_height(points[cell, p], points[cell, q], normals[cell, p]))
+                        if height < within + BEND * (square - height * height):
+                            found[cell, p] = found[cell, q] = True
+    return found
+
+
+@njit(inline="always", error_model="numpy")
+def _product(a: Any, b: Any) -> float:
+    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+
+
+@njit(inline="always", error_model="numpy")
+def _square(a: Any, b: Any) -> float:
+    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
+    return float(x * x + y * y + z * z)
+
+
+@njit(inline="always", error_model="numpy")
+def _height(a: Any, b: Any, normal: Any) -> float:
+    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
+    return float(x * normal[0] + y * normal[1] + z * normal[2])

@@ -1,0 +1,70 @@
+"""Points of membranes on a grid of the parameter sphere, with area elements there."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from celltrain.harmonics import Shapes
+from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.tables import harmonic_tables
+
+Vectors = Float[np.ndarray, "cell point 3"]
+
+
+@dataclass(frozen=True)
+class SurfaceGrid:
+    """A grid of `order` rings for the harmonics below one degree.
+
+    `tables` are the harmonics at its points and their slopes down the colatitude and, over the
+    sine, around; `weights` those of solid angle.
+    """
+
+    order: int
+    angles: Float[np.ndarray, "point 2"]
+    tables: Float[np.ndarray, "3 point coefficient"]
+    weights: Float[np.ndarray, " point"]
+
+    @property
+    def values(self) -> Float[np.ndarray, "point coefficient"]:
+        """The harmonics at the points."""
+        return self.tables[0]
+
+    @property
+    def spacing(self) -> float:
+        """Largest distance of a point of the sphere from the nearest one of the grid."""
+        return math.sqrt(0.5) * math.pi / self.order
+
+    def surfaces(
+        self, shapes: Shapes, nodes: Int[np.ndarray, " point"] | None = None
+    ) -> tuple[Vectors, Vectors, float]:
+        """Points, outward area elements, by the area on the parameter sphere, and the stretch.
+
+        The stretch is the largest length on a membrane for one on the sphere, along the
+        coordinates. **Arguments:** `nodes`: numbers of the points, all unless given.
+        """
+        tables = self.tables if nodes is None else self.tables[:, nodes]
+        # One product of matrices: many small ones take four times as long.
+        every = tables.reshape(-1, tables.shape[2]) @ shapes.reshape(-1, shapes.shape[2]).T
+        points, down, around = np.moveaxis(every.reshape(3, tables.shape[1], len(shapes), 3), 2, 1)
+        square = max(float(np.max(np.sum(each**2, axis=-1))) for each in (down, around))
+        return points, np.cross(down, around), math.sqrt(square)
+
+    def reordered(self, order: Int[np.ndarray, " point"]) -> "SurfaceGrid":
+        """The same points in another order."""
+        tables, angles = self.tables[:, order], self.angles[order]
+        return SurfaceGrid(self.order, angles, tables, self.weights[order])
+
+
+def surface_grid(degree: int, order: int) -> SurfaceGrid:
+    """The grid of `order` rings for the harmonics below `degree`."""
+    theta, phi = sphere_grid(degree, order).points()
+    tables = harmonic_tables(degree, theta, phi)
+    around = np.asarray(tables.d_phi) / np.sin(theta)[:, None]
+    return SurfaceGrid(
+        order=order,
+        angles=np.stack([theta, phi], axis=-1),
+        tables=np.stack([tables.value, tables.d_theta, around]),
+        weights=np.asarray(sphere_grid(1, order).weights),
+    )

@@ -1,0 +1,143 @@
+"""Parts of one membrane that face each other: how far apart, whether they cross, their forces."""
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.polynomial import legendre
+from numpy.testing import assert_allclose, assert_array_equal
+from test_repulsion import RANGE, of_spheres, sphere
+
+from celltrain.evolution import Repulsion
+from celltrain.evolution.films.forces import FilmForces
+from celltrain.harmonics import (
+    UNIT_DISPLACEMENT,
+    coefficient_index,
+    degrees_and_orders,
+)
+from celltrain.proximity import own_sides
+from celltrain.proximity.film_points import film_grid
+from celltrain.proximity.overlaps import overlaps
+
+DEGREE = 12
+DISC_RADIUS = 1.3
+ROD_RADIUS, ROD_LENGTH = 0.35, 4.0
+
+
+@pytest.fixture(scope="module")
+def films() -> FilmForces:
+    return of_spheres(DEGREE)
+
+
+def hourglass(gap: float) -> np.ndarray:
+    """A disc that is thinnest on its axis: z = x (gap/2 + 0.4 (1 - x^4)), x = cos(theta)."""
+    shape = DISC_RADIUS * sphere(DEGREE)
+    shape[2] = 0.0
+    for n, each in enumerate(legendre.poly2leg([0.0, 0.5 * gap + 0.4, 0.0, 0.0, 0.0, -0.4])):
+        shape[2, coefficient_index(n, 0)] = each * math.sqrt(4.0 * math.pi / (2 * n + 1))
+    return shape
+
+
+def horn(gap: float) -> np.ndarray:
+    """A rod with nearly flat ends, bent to a circle: its ends face each other, `gap` apart."""
+    grid = film_grid(DEGREE).fine
+    x, phi = np.cos(grid.angles[:, 0]), grid.angles[:, 1]
+    width = ROD_RADIUS * np.sin(grid.angles[:, 0])
+    middle = 0.5 * ROD_LENGTH / math.pi
+    turn = (math.pi - 0.5 * gap / middle) * (1.5 * x - 0.5 * x**3)
+    radius = middle + width * np.cos(phi)
+    points = np.stack([radius * np.cos(turn), width * np.sin(phi), radius * np.sin(turn)])
+    return np.asarray((points * grid.weights) @ grid.values)
+
+
+def skewed(shape: np.ndarray) -> np.ndarray:
+    """Moved, turned and deformed, so that nothing is symmetric."""
+    change = np.random.default_rng(3).normal(size=shape.shape)
+    degrees = degrees_and_orders(DEGREE)[0]
+    turned = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
+    turned *= np.sign(np.linalg.det(turned))
+    moved = shape + 0.004 * np.where(degrees > 0, change / (1.0 + degrees) ** 2, 0.0)
+    moved[:, 0] += np.array([0.2, -0.1, 0.4])
+    return np.asarray(turned @ moved)
+
+
+@pytest.mark.parametrize("form", [hourglass, horn])
+@pytest.mark.parametrize("gap", [0.04, 0.02])
+def test_the_gap_is_that_of_the_parts(films: FilmForces, form: Any, gap: float) -> None:
+    found = films(skewed(form(gap))[None])
+    # The grid's points are not where it is least.
+    assert gap - 0.012 < found.gap < gap + 0.006
+    assert not overlaps(skewed(form(gap))[None], period=math.inf)
+
+
+def test_energy_of_a_thin_disc(films: FilmForces) -> None:
+    gap = 0.03
+    found = films(hourglass(gap)[None])
+    # Distances of points of the upper face from the lower one, densely; by solid angle as areas.
+    theta = np.linspace(1e-6, 0.5, 4001)
+    x = np.cos(theta)
+    z, r = x * (0.5 * gap + 0.4 * (1.0 - x**4)), DISC_RADIUS * np.sin(theta)
+    distance = np.array([np.hypot(r - a, z + b).min() for a, b in zip(r[::8], z[::8], strict=True)])
+    density = Repulsion(RANGE).energy_density(distance)
+    one = np.trapezoid(2.0 * math.pi * np.sin(theta[::8]) * density, theta[::8])
+    # Both faces, each counted half.
+    assert_allclose(found.energy, one, rtol=0.05)
+
+
+@pytest.mark.parametrize("form", [hourglass, horn])
+def test_forces_are_the_gradient_of_the_energy_and_balanced(films: FilmForces, form: Any) -> None:
+    shapes = skewed(form(0.025))[None]
+    found = films(shapes)
+    assert found.energy > 0.0
+    step = 1e-6
+    for seed in range(2):
+        change = np.random.default_rng(seed).normal(size=shapes.shape)
+        ahead, behind = (films(shapes + h * change).energy for h in (step, -step))
+        assert_allclose(
+            (ahead - behind) / (2 * step), -np.sum(found.forces * change), rtol=2e-4, atol=1e-8
+        )
+    largest = np.abs(found.forces).max()
+    assert_allclose(found.forces[0, :, 0], 0.0, atol=1e-13 * largest)
+    torque = np.cross(shapes, found.forces, axis=1).sum(axis=(0, 2))
+    assert_allclose(torque, 0.0, atol=1e-12 * largest)
+
+
+@pytest.mark.parametrize("form", [hourglass, horn])
+def test_parts_that_have_crossed(films: FilmForces, form: Any) -> None:
+    shapes = skewed(form(-0.02))[None]
+    found = films(shapes)
+    assert found.gap < -0.005
+    assert np.isnan(found.forces).all()
+    (met,) = overlaps(shapes, period=math.inf)
+    assert (met.first, met.second, met.image) == (0, 0, 0)
+    assert str(met).startswith("two parts of cell 0 cross at x = ")
+
+
+def test_nothing_beyond_the_range_and_nothing_on_cells_at_rest(films: FilmForces) -> None:
+    for shape in (hourglass(0.06), horn(0.075), sphere(DEGREE)):
+        found = films(skewed(shape)[None])
+        assert found.gap == np.inf
+        assert_array_equal(found.forces, 0.0)
+    # Narrow, but no part of it faces another that closely.
+    wide = dataclasses.replace(films, repulsion=Repulsion(0.2))
+    assert wide(0.3 * sphere(DEGREE)[None]).gap == np.inf
+
+
+def test_what_is_passed_by_could_not_be_found(
+    films: FilmForces, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shapes = np.stack([skewed(hourglass(0.03)), skewed(horn(0.04)), skewed(hourglass(0.3))])
+    shapes[1:, 0, 0] += UNIT_DISPLACEMENT * np.array([8.0, 16.0])
+    quick = films(shapes)
+
+    def all_of_them(points: np.ndarray, *_: Any) -> np.ndarray:
+        return np.ones(points.shape[:2], dtype=bool)
+
+    monkeypatch.setattr(own_sides, "facing_on_host", all_of_them)
+    whole = films(shapes)
+    assert quick.gap == whole.gap
+    assert_allclose(quick.energy, whole.energy, rtol=1e-13)
+    assert_allclose(quick.forces, whole.forces, atol=1e-13 * np.abs(whole.forces).max())
+    assert not quick.forces[2].any()
