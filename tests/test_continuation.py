@@ -28,6 +28,8 @@ from celltrain.continuation import (
 from celltrain.continuation.branch import BEYOND
 from celltrain.continuation.equations import known_point
 from celltrain.contract import load
+from celltrain.harmonics import Profile
+from celltrain.proximity.meridian import streamwise_gap
 from celltrain.results import save
 from celltrain.steady.parameters import parameter_value
 
@@ -140,6 +142,26 @@ def test_what_was_found_of_a_branch_is_kept(single: Base) -> None:
     assert seen[1].value < seen[0].value == 0.3
     one = branch(single, "packing", to=0.28, steps=Steps(first=0.02), most_points=1)
     assert one.ending.kind == "enough"
+
+
+def test_a_branch_ends_where_the_membrane_crosses_itself(
+    single: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Trains that do need a high degree; here those of another gap stand for them.
+    limit = 0.999 * single.gap
+    period = single.train.period
+
+    def crosses(profile: Profile) -> bool:
+        return streamwise_gap(profile, period) < limit
+
+    monkeypatch.setattr(
+        importlib.import_module("celltrain.continuation.branch"), "crosses_itself", crosses
+    )
+    found = branch(single, "diameter", to=0.9 * single.train.tube.diameter, steps=Steps(first=0.02))
+    assert found.ending.kind == "lost"
+    assert re.search(r"at diameter = [\d.]+ the membrane crosses itself", found.ending.message)
+    assert found.points
+    assert all(not crosses(point.base.profile) for point in found.points)
 
 
 def test_what_was_found_is_in_the_file_of_an_interrupted_command(

@@ -1,5 +1,6 @@
 """Steady trains: that they are steady, and that there are several ways to them."""
 
+import sys
 from itertools import pairwise
 
 import numpy as np
@@ -63,6 +64,16 @@ def test_start_from_the_solution_is_the_solution(coarse_base: Base) -> None:
     again = steady(coarse_base.train, start=coarse_base)
     assert again.history == ()
     assert_allclose(again.coefficients, coarse_base.coefficients, rtol=0, atol=1e-14)
+
+
+def test_a_train_whose_membrane_crosses_itself_is_refused(
+    coarse_base: Base, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solve = sys.modules["celltrain.steady.solve"]
+    monkeypatch.setattr(solve, "crosses_itself", lambda profile: True)
+    with pytest.raises(NotConverged, match="of the one that was found crosses itself") as failure:
+        steady(coarse_base.train, start=coarse_base)
+    assert failure.value.last.residual < 1e-9
 
 
 def test_a_march_that_is_cut_short_says_so(coarse_base: Base) -> None:

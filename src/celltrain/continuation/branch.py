@@ -33,7 +33,7 @@ from celltrain.continuation.equations import (
 )
 from celltrain.harmonics import UNIT_DISPLACEMENT
 from celltrain.parameters import CaseError, Train
-from celltrain.proximity.meridian import clearance
+from celltrain.proximity.meridian import clearance, crosses_itself
 from celltrain.quantities import Quantity, Record, quantity
 from celltrain.stability import Mode, Stability
 from celltrain.steady import Base
@@ -180,7 +180,7 @@ def follow_branch(
         if (value - first) * (to - first) < -1e-9 * first**2:
             return
         base = point.state.base(origin)
-        yield _point(base, value, point, analyse)
+        yield _point(base, parameter, value, point, analyse)
         if point.state.problem.rules(base.profile).work > most:
             apart = clearance(base.profile, base.train.period, base.train.radius)
             raise CurveLost(f"the cells are {apart:.2g} r0 from each other or the wall")
@@ -205,8 +205,18 @@ def check_branch(train: Train, parameter: str, to: float) -> float:
 
 
 def _point(
-    base: Base, value: float, point: CurvePoint[SteadyPoint], analyse: Dynamics | None
+    base: Base,
+    parameter: str,
+    value: float,
+    point: CurvePoint[SteadyPoint],
+    analyse: Dynamics | None,
 ) -> BranchPoint:
+    """What is kept of a train on the branch.
+
+    **Raises:** `CurveLost` if it is none that cells can have.
+    """
+    if crosses_itself(base.profile):
+        raise CurveLost(f"at {parameter} = {value:.6g} the membrane crosses itself")
     leading = None if analyse is None else analyse(base).leading
     return BranchPoint(base, value, float(point.tangent[-2]), leading)
 
@@ -224,7 +234,8 @@ def _last(
     found = follow(base.train, base.profile, end, tolerance=steps.tolerance, most=MOST_ITERATIONS)
     if not found.complete:
         raise CurveLost(f"{parameter} = {to:g} itself is not reached")
-    return _point(describe(found.problem, found.iterated, base.origin), to, point, analyse)
+    last = describe(found.problem, found.iterated, base.origin)
+    return _point(last, parameter, to, point, analyse)
 
 
 def _equations(

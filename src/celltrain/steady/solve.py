@@ -13,7 +13,7 @@ from celltrain.clock import timed
 from celltrain.harmonics import coefficients_of, profile_of
 from celltrain.meridian.geometry import largest_radius
 from celltrain.parameters import Train
-from celltrain.proximity.meridian import streamwise_gap
+from celltrain.proximity.meridian import crosses_itself, streamwise_gap
 from celltrain.steady.base import Base, IterationProgress, NotConverged
 from celltrain.steady.degree import raised
 from celltrain.steady.iterate import Iterated, newton
@@ -80,6 +80,12 @@ def _found(train: Train, start: Base | None, ways: Ways, *, also_from_rest: bool
     base = replace(base, seconds=seconds)
     if not followed.complete:
         raise NotConverged(_complaint(train, ways.tried, ways.tolerance, most), base)
+    if crosses_itself(base.profile):
+        raise NotConverged(
+            "no steady train of cells: the membrane of the one that was found crosses itself, as in"
+            " flow too fast for the tube or the membrane",
+            base,
+        )
     return base
 
 
