@@ -141,3 +141,18 @@ def test_what_is_passed_by_could_not_be_found(
     assert_allclose(quick.energy, whole.energy, rtol=1e-13)
     assert_allclose(quick.forces, whole.forces, atol=1e-13 * np.abs(whole.forces).max())
     assert not quick.forces[2].any()
+
+
+def test_a_fold_of_thin_parts_has_not_crossed() -> None:
+    # A sheet rolled up by a turn and a quarter: both parts of its film are thin.
+    degree, thickness, gap = 16, 0.08, 0.06
+    grid = film_grid(degree).fine
+    x, sine, phi = np.cos(grid.angles[:, 0]), np.sin(grid.angles[:, 0]), grid.angles[:, 1]
+    turn = 1.25 * math.pi * (1.5 * x - 0.5 * x**3)
+    radius = 0.6 + (thickness + gap) * turn / (2.0 * math.pi) + 0.5 * thickness * sine * np.cos(phi)
+    points = np.stack([radius * np.cos(turn), 0.5 * sine * np.sin(phi), radius * np.sin(turn)])
+    shapes = np.asarray((points * grid.weights) @ grid.values)[None]
+    found = film_grid(degree).find(shapes, within=RANGE, period=math.inf)
+    assert len(found.distance) > 1000
+    assert (found.distance > 0.01).all()
+    assert not overlaps(shapes, period=math.inf)

@@ -1,12 +1,14 @@
 """Capillaries: viscosity, velocity and film of trains beside measurement and lubrication theory.
 
 And whether these trains are stable. The trains are kept; from nothing ten minutes on two cores
-(`capillary_trains`), and thirty more the searches (`capillary_searches`).
+(`capillary_trains`), thirty more the searches (`capillary_searches`), and fifteen of one core the
+branches to the fastest flow (`capillary_sides`).
 """
 
 import capillary_dense
 import capillary_films
 import capillary_searches
+import capillary_sides
 import capillary_trains as trains
 import numpy as np
 import xarray as xr
@@ -47,6 +49,7 @@ is its difference from the lower one.
     capillary_films.section(page, films, stable)
     _stability(page, stable)
     capillary_dense.section(page)
+    capillary_sides.section(page)
     capillary_searches.section(page)
     page.figure(
         _figure(measured, stable),
@@ -258,8 +261,8 @@ def _missing() -> str:
     packing = min(trains.MAP_PACKINGS)
     return f"""
 Not in the map: the fastest flow in tubes below D = {narrowest:g}, and packing {packing:g} at other
-speeds than {trains.SPEED * 1e3:g} mm/s. A start from the next slower train does not reach the
-fastest flow there; smaller steps in the speed may, and were not tried to the end.
+speeds than {trains.SPEED * 1e3:g} mm/s. In the fastest flow two sides of the cells meet there (see
+below).
 """
 
 

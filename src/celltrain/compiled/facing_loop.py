@@ -11,21 +11,21 @@ BEND = 3.0
 
 
 @njit(cache=True, error_model="numpy")
-def facing_on_host(points: Any, normals: Any, starts: Any, within: float, far: float) -> Any:
+def facing_on_host(points: Any, normals: Any, starts: Any, within: float, far: Any) -> Any:
     """Which points [cell, point, 3] face a part of their own cell that may be within a distance.
 
     They have a point with an opposed normal (negative product) near them: not farther away than
-    `within` and `far`, and in height, along the normal, not farther than `within` and what a
-    surface of the largest curvature may rise. Points are in blocks, one after the other; blocks
-    whose spheres are apart are passed by. **Arguments:** `starts`: number of the first point of
-    each block, and at last that of all points.
+    `within` and `far` (that of the cell), and in height, along one of the normals, not farther than
+    `within` and what a surface of the largest curvature may rise. Points are in blocks, one after
+    the other; blocks whose spheres are apart are passed by. **Arguments:** `starts`: number of the
+    first point of each block, and at last that of all points.
     """
-    reach = within + far
     cells, count, _ = points.shape
     blocks = starts.size - 1
     found = np.zeros((cells, count), dtype=np.bool_)
     middle, radius = np.empty((blocks, 3)), np.empty(blocks)
     for cell in range(cells):
+        reach = within + far[cell]
         for block in range(blocks):
             first, last = starts[block], starts[block + 1]
             for i in range(3):
@@ -46,7 +46,9 @@ def facing_on_host(points: Any, normals: Any, starts: Any, within: float, far: f
                         square = _square(points[cell, p], points[cell, q])
                         if square >= reach * reach:
                             continue
-                        height = abs(_height(points[cell, p], points[cell, q], normals[cell, p]))
+                        rise = _height(points[cell, p], points[cell, q], normals[cell, p])
+                        back = _height(points[cell, p], points[cell, q], normals[cell, q])
+                        height = min(abs(rise), abs(back))
                         if height < within + BEND * (square - height * height):
                             found[cell, p] = found[cell, q] = True
     return found

@@ -7,8 +7,8 @@ like the two sides of a fold. It is told by the winding number
 
     w(q) = (1/4 pi) int n.(y - q)/|y - q|^3 dA,
 
-1 inside a cell and 0 outside: on the far sides of both parts 0 means that the cell is between them,
-1 that a fold is.
+1 inside a cell and 0 outside: half a step of the grid beyond both parts 0 means that the cell is
+between them, 1 that a fold is. At that distance the sum over the grid is right to some percent.
 """
 
 import math
@@ -33,8 +33,10 @@ from celltrain.proximity.surface_grid import SurfaceGrid, Vectors
 Points = Float[np.ndarray, "point 3"]
 Nodes = Float[np.ndarray, "node 3"]
 
-# Distance from both parts at which the winding number is taken, r0: a few steps of the grid.
-CLEAR = 0.15
+# Places at once of which the winding number is taken.
+AT_ONCE = 64
+# What distances are divided by at least.
+TINY = 1e-300
 # Distance of two parts below which they may have crossed.
 CLOSE = 0.1
 
@@ -76,22 +78,30 @@ class OwnSidesSearch:
     search: NearestPointSearch
 
     def find(
-        self, shapes: Shapes, points: Vectors, areas: Vectors, stretch: float, *, within: float
+        self,
+        shapes: Shapes,
+        points: Vectors,
+        areas: Vectors,
+        stretch: Float[np.ndarray, " cell"],
+        *,
+        within: float,
     ) -> list[tuple[int, OwnSides]]:
         """Cells with parts closer than `within` (r0) to each other, and the points there.
 
         **Arguments:** `points`, `areas`, `stretch`: what the coarse grid has of the shapes.
         """
         normals = areas / np.linalg.norm(areas, axis=-1, keepdims=True)
-        far = 2.0 * stretch * self.coarse.spacing
+        # From a point of a membrane to the nearest one of the grid it is half a diagonal.
+        far = math.sqrt(2.0) * stretch * self.coarse.step
         facing = facing_on_host(points, normals, self.starts, within, far)
-        reach = math.hypot(within, stretch * self.fine.spacing)
+        reach = np.hypot(within, math.sqrt(0.5) * stretch * self.fine.step)
         found = []
         for cell in np.flatnonzero(facing.any(axis=1)):
             node = np.flatnonzero(facing[cell, self.parent])
-            sides = self._of_cell(shapes[cell], node, within, reach)
+            sides = self._of_cell(shapes[cell], node, within, float(reach[cell]))
             if len(sides.node):
-                gap = self._crossed(sides, points[cell], areas[cell])
+                clear = 0.5 * float(stretch[cell]) * self.coarse.step
+                gap = self._crossed(sides, points[cell], areas[cell], clear)
                 found.append((int(cell), replace(sides, gap=gap)))
         return found
 
@@ -101,7 +111,7 @@ class OwnSidesSearch:
         """Points of one cell, among those given, with the distances as across a fold."""
         (here,), (areas,), _ = self.fine.surfaces(shape[None], node)
         normals = areas / np.linalg.norm(areas, axis=1, keepdims=True)
-        # Nearest with opposed normals: those of neighbours are farther than the reach apart.
+        # Nearest with opposed normals; those of neighbours are much alike.
         tree = cKDTree(np.hstack([here, reach * normals]))
         distance, index = tree.query(
             np.hstack([here, -reach * normals]), distance_upper_bound=math.sqrt(3.0) * reach
@@ -124,19 +134,24 @@ class OwnSidesSearch:
             opposite=guess[kept],
             place=here[kept],
             gap=signed[kept],
-            direction=apart / np.abs(signed[kept])[:, None],
+            direction=apart / np.maximum(np.abs(signed[kept]), TINY)[:, None],
             nearest=nearest,
         )
 
-    def _crossed(self, sides: OwnSides, points: Nodes, areas: Nodes) -> Float[np.ndarray, " point"]:
+    def _crossed(
+        self, sides: OwnSides, points: Nodes, areas: Nodes, clear: float
+    ) -> Float[np.ndarray, " point"]:
         """Distances, negative where the parts have crossed.
 
         Parts that cross are close to each other somewhere, so only close points are asked. Where
         the winding numbers on the far sides differ, as where a part ends, they have not crossed.
+
+        **Arguments:** `clear`: distance at which the winding number is taken, r0.
         """
         weighted, gap = self.coarse.weights[:, None] * areas, np.abs(sides.gap)
         close = np.flatnonzero(gap < CLOSE)
-        # One point tells for all of its block that face the same block.
+        close = close[np.argsort(gap[close], kind="stable")]
+        # The closest point tells for all of its block that face the same block.
         here, there = (
             self.block[self.parent[each[close]]] for each in (sides.node, sides.opposite)
         )
@@ -144,18 +159,23 @@ class OwnSidesSearch:
         _, first, group = np.unique(pair, return_index=True, return_inverse=True)
         one = close[first]
         place, direction, apart = sides.place[one], sides.direction[one], gap[one, None]
-        ahead = _winding(points, weighted, place + CLEAR * direction)
-        behind = _winding(points, weighted, place - (apart + CLEAR) * direction)
-        far, signed = 0.5 * (ahead + behind)[group], sides.gap[close]
-        gap[close] = np.where(far < 0.25, -signed, np.where(far > 0.75, signed, gap[close]))
+        ahead = _winding(points, weighted, place + clear * direction)
+        behind = _winding(points, weighted, place - (apart + clear) * direction)
+        through = ((np.round(ahead) == 0.0) & (np.round(behind) == 0.0))[group]
+        fold = ((np.round(ahead) == 1.0) & (np.round(behind) == 1.0))[group]
+        signed = sides.gap[close]
+        gap[close] = np.where(through, -signed, np.where(fold, signed, gap[close]))
         return gap
 
 
 def _winding(points: Nodes, areas: Nodes, at: Points) -> Float[np.ndarray, " point"]:
     """The winding number of a surface, of points and area elements, around other points."""
-    apart = points - at[:, None]
-    cube = np.sum(apart**2, axis=-1) ** 1.5
-    return np.asarray(np.sum(apart * areas, axis=-1) / cube).sum(axis=-1) / (4.0 * np.pi)
+    found = []
+    for some in np.split(at, range(AT_ONCE, len(at), AT_ONCE)):
+        apart = points - some[:, None]
+        cube = np.sum(apart**2, axis=-1) ** 1.5
+        found.append(np.sum(np.sum(apart * areas, axis=-1) / cube, axis=-1))
+    return np.concatenate(found) / (4.0 * np.pi)
 
 
 def own_sides_search(

@@ -32,24 +32,24 @@ class SurfaceGrid:
         return self.tables[0]
 
     @property
-    def spacing(self) -> float:
-        """Largest distance of a point of the sphere from the nearest one of the grid."""
-        return math.sqrt(0.5) * math.pi / self.order
+    def step(self) -> float:
+        """Angle between neighbouring rings, and at the equator between points of a ring."""
+        return math.pi / self.order
 
     def surfaces(
         self, shapes: Shapes, nodes: Int[np.ndarray, " point"] | None = None
-    ) -> tuple[Vectors, Vectors, float]:
-        """Points, outward area elements, by the area on the parameter sphere, and the stretch.
+    ) -> tuple[Vectors, Vectors, Float[np.ndarray, " cell"]]:
+        """Points, outward area elements, by the area on the parameter sphere, and stretches.
 
-        The stretch is the largest length on a membrane for one on the sphere, along the
+        A cell's stretch is the largest length on its membrane for one on the sphere, along the
         coordinates. **Arguments:** `nodes`: numbers of the points, all unless given.
         """
         tables = self.tables if nodes is None else self.tables[:, nodes]
         # One product of matrices: many small ones take four times as long.
         every = tables.reshape(-1, tables.shape[2]) @ shapes.reshape(-1, shapes.shape[2]).T
         points, down, around = np.moveaxis(every.reshape(3, tables.shape[1], len(shapes), 3), 2, 1)
-        square = max(float(np.max(np.sum(each**2, axis=-1))) for each in (down, around))
-        return points, np.cross(down, around), math.sqrt(square)
+        squares = (np.max(np.sum(each**2, axis=-1), axis=1) for each in (down, around))
+        return points, np.cross(down, around), np.sqrt(np.maximum(*squares))
 
     def reordered(self, order: Int[np.ndarray, " point"]) -> "SurfaceGrid":
         """The same points in another order."""
@@ -59,7 +59,7 @@ class SurfaceGrid:
 
 def surface_grid(degree: int, order: int) -> SurfaceGrid:
     """The grid of `order` rings for the harmonics below `degree`."""
-    theta, phi = sphere_grid(degree, order).points()
+    theta, phi = sphere_grid(1, order).points()
     tables = harmonic_tables(degree, theta, phi)
     around = np.asarray(tables.d_phi) / np.sin(theta)[:, None]
     return SurfaceGrid(

@@ -138,3 +138,7 @@ class NotConverged(RuntimeError):
     def history(self) -> tuple[Iteration, ...]:
         """The way to the last state."""
         return self.last.history
+
+
+class MembraneCrosses(NotConverged):
+    """The train that was found is none of cells: their membrane crosses itself."""

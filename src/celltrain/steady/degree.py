@@ -18,7 +18,7 @@ from itertools import pairwise
 from typing import Annotated
 
 from celltrain.quantities import Quantity
-from celltrain.steady.base import NotConverged
+from celltrain.steady.base import MembraneCrosses, NotConverged
 
 #: The degrees that are tried, one after another.
 DEGREES = (12, 16, 20, 24, 32, 40, 48, 56, 64)
@@ -88,7 +88,8 @@ def raised(
 
     Degrees that are too low for there to be a train are passed over, unless the shape at which the
     search ended is resolved, so that a higher one would end there too; one that fails above others
-    ends the sequence.
+    ends the sequence, unless its train is one that cells cannot have: then they cannot have that of
+    a lower degree either.
 
     **Raises:** `NotConverged` if there is a value at none; what else `evaluate` raises.
     """
@@ -99,9 +100,10 @@ def raised(
         try:
             value = evaluate(degree)
         except NotConverged as failure:
-            if values:
+            crosses = isinstance(failure, MembraneCrosses)
+            if values and not crosses:
                 break
-            if degree == ladder[-1] or failure.last.truncation_error < RESOLVED:
+            if values or degree == ladder[-1] or failure.last.truncation_error < RESOLVED:
                 raise
             continue
         degrees, values = (*degrees, degree), (*values, value)

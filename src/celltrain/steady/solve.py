@@ -14,7 +14,7 @@ from celltrain.harmonics import coefficients_of, profile_of
 from celltrain.meridian.geometry import largest_radius
 from celltrain.parameters import Train
 from celltrain.proximity.meridian import crosses_itself, streamwise_gap
-from celltrain.steady.base import Base, IterationProgress, NotConverged
+from celltrain.steady.base import Base, IterationProgress, MembraneCrosses, NotConverged
 from celltrain.steady.degree import raised
 from celltrain.steady.iterate import Iterated, newton
 from celltrain.steady.path import Followed
@@ -81,7 +81,7 @@ def _found(train: Train, start: Base | None, ways: Ways, *, also_from_rest: bool
     if not followed.complete:
         raise NotConverged(_complaint(train, ways.tried, ways.tolerance, most), base)
     if crosses_itself(base.profile):
-        raise NotConverged(
+        raise MembraneCrosses(
             "no steady train of cells: the membrane of the one that was found crosses itself, as in"
             " flow too fast for the tube or the membrane",
             base,
