@@ -9,6 +9,7 @@ import pytest
 from celltrain import Base, Train
 from celltrain.parameters.resolution import LARGEST_DEGREE
 from celltrain.steady import NotConverged
+from celltrain.steady.base import MembraneCrosses
 from celltrain.steady.degree import (
     BEST_RATE,
     CHANGES,
@@ -62,6 +63,21 @@ def test_error_at_a_lower_degree() -> None:
     assert found.left == left
     assert found.error == pytest.approx(0.04 + left)
     assert Convergence(20, (12, 16, 20), (1.0, 1.0, 1.0), least=1e-3).error == 1e-3
+
+
+def test_a_membrane_that_crosses_at_a_higher_degree_is_told(coarse_base: Base) -> None:
+    def evaluate(failure: type[NotConverged]) -> Callable[[int], float]:
+        def value(degree: int) -> float:
+            if degree > DEGREES[1]:
+                raise failure("none", coarse_base)
+            return 1.0 / degree
+
+        return value
+
+    found = raised(evaluate(NotConverged), lambda found: False)
+    assert found.degree == DEGREES[1]
+    with pytest.raises(MembraneCrosses):
+        raised(evaluate(MembraneCrosses), lambda found: False)
 
 
 def test_degrees_rise_until_it_is_enough() -> None:

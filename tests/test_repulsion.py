@@ -131,6 +131,17 @@ def with_gap(films: FilmForces, shapes: np.ndarray, gap: float) -> np.ndarray:
     return moved
 
 
+def assert_gradient(films: FilmForces, shapes: np.ndarray) -> None:
+    """The forces are minus the gradient of the energy."""
+    forces, step = films(shapes).forces, 1e-6
+    for seed in range(3):
+        change = np.random.default_rng(seed).normal(size=shapes.shape)
+        ahead, behind = (films(shapes + h * change).energy for h in (step, -step))
+        assert_allclose(
+            (ahead - behind) / (2 * step), -np.sum(forces * change), rtol=2e-4, atol=1e-8
+        )
+
+
 @pytest.mark.parametrize("case", ["cells", "image", "own image", "wall"])
 def test_force_is_minus_the_gradient_of_the_energy(case: str) -> None:
     films = of_spheres(
@@ -147,13 +158,7 @@ def test_force_is_minus_the_gradient_of_the_energy(case: str) -> None:
     assert 0.0 < found.gap < RANGE
     assert found.energy > 0.0
     assert found.force > 0.0
-    step = 1e-6
-    for seed in range(3):
-        change = np.random.default_rng(seed).normal(size=shapes.shape)
-        ahead, behind = (films(shapes + h * change).energy for h in (step, -step))
-        assert_allclose(
-            (ahead - behind) / (2 * step), -np.sum(found.forces * change), rtol=2e-4, atol=1e-8
-        )
+    assert_gradient(films, shapes)
     if case != "wall":
         total = found.forces[:, :, 0].sum(axis=0)
         assert_allclose(total, 0.0, atol=1e-13 * np.abs(found.forces).max())

@@ -287,10 +287,10 @@ def course(page: Page, leading: Mapping[str, Any]) -> None:
     page.text(
         """
 Opposition: 1 where neighbours turn oppositely, -1 where they turn alike. Spacing: largest deviation
-of the axial distance of two neighbours from the period, over it; a train is called out of order
-where that exceeds a half. Energy of films: that of the repulsion, relative to the elastic energy of
-all membranes. Extra pressure drop: relative to that of plasma alone at the same flow
-rate. Empty: not reached yet.
+of the axial distance of two neighbours (in the order that cells have then) from the period, over
+it; a train is called out of order where that exceeds a half. Energy of films: that of the
+repulsion, relative to the elastic energy of all membranes. Extra pressure drop: relative to that of
+plasma alone at the same flow rate. Empty: not reached yet.
 """
     )
 

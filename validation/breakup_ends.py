@@ -12,7 +12,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from breakup_runs import DENSE, EVERY, FOLDER, PAPER_TIMES, first_time, load, order_measures
+from breakup_runs import (
+    DENSE,
+    EVERY,
+    FOLDER,
+    PAPER_TIMES,
+    distances_ahead,
+    first_time,
+    load,
+    order_measures,
+)
 from page import Page
 
 from celltrain import Base, CaseError, Run, Stability, evolve, resume
@@ -136,12 +145,10 @@ def statistics(run: Run, begin: float, end: float, offset: float = 0.0) -> Stati
         shapes=run.shapes[within],
         frames={name: column[within] for name, column in run.frames.items()},
     )
-    velocity, centroid = part.frames["centroid_velocity"], part.frames["centroid"]
+    velocity = part.frames["centroid_velocity"]
     along = velocity[..., 2] - velocity[..., 2].mean(axis=1, keepdims=True)
     drops = pressure_drops(part) - 1.0
     train = run.train
-    ahead = np.roll(centroid[..., 2], -1, axis=1)
-    ahead[:, -1] += train.length
     measures = order_measures(part)
     return Statistics(
         begin=begin,
@@ -149,7 +156,7 @@ def statistics(run: Run, begin: float, end: float, offset: float = 0.0) -> Stati
         cell_velocity=float(velocity[..., 2].mean()),
         velocity_along=float(np.sqrt(np.mean(along**2))),
         velocity_across=float(np.sqrt(np.mean(np.sum(velocity[..., :2] ** 2, axis=-1)))),
-        spacing=float(np.std((ahead - centroid[..., 2]) / train.period)),
+        spacing=float(np.std(distances_ahead(part) / train.period)),
         radial=float(np.sqrt(np.mean(measures["radial"] ** 2))),
         inclination=float(measures["inclination"].mean()),
         pressure_drop=float(drops.mean()),
@@ -199,7 +206,7 @@ def _own_sides(run: Run) -> dict[str, float | None]:
     least = []
     for shapes in run.shapes:
         found = grid.own_sides.find(
-            shapes, *grid.coarse.surfaces(shapes), within=run.repulsion.range
+            shapes, grid.coarse.surfaces(shapes), within=run.repulsion.range
         )
         least.append(min((float(sides.gap.min()) for _, sides in found), default=np.inf))
     within = np.isfinite(least)

@@ -162,7 +162,8 @@ def summary(run: Run) -> dict[str, Any]:
 def order_measures(run: Run) -> dict[str, np.ndarray]:
     """How much of a train is left, by frame.
 
-    - "spacing": largest deviation of the axial distance of two neighbours from the period, over it;
+    - "spacing": largest deviation of the axial distance of two neighbours from the period, over it
+      (cells that are neighbours then);
     - "radial": root mean square distance of the centroids from the axis, r0;
     - "inclination": mean, degrees;
     - "opposition": -1 where neighbours turn alike, +1 where oppositely: minus the sum of the
@@ -170,9 +171,7 @@ def order_measures(run: Run) -> dict[str, np.ndarray]:
     """
     centroids, rotation = run.frames["centroid"], run.frames["rotation_rate"]
     train = run.train
-    ahead = np.roll(centroids[..., 2], -1, axis=1)
-    ahead[:, -1] += train.length
-    apart = np.abs(ahead - centroids[..., 2] - train.period).max(axis=1)
+    apart = np.abs(distances_ahead(run) - train.period).max(axis=1)
     products = np.sum(rotation * np.roll(rotation, -1, axis=1), axis=(1, 2))
     return {
         "spacing": apart / train.period,
@@ -180,6 +179,13 @@ def order_measures(run: Run) -> dict[str, np.ndarray]:
         "inclination": np.rad2deg(run.frames["inclination"]).mean(axis=1),
         "opposition": -products / np.sum(rotation**2, axis=(1, 2)),
     }
+
+
+def distances_ahead(run: Run) -> np.ndarray:
+    """Axial distances [frame, cell] of neighbours' centroids, in the order of then, r0."""
+    length = run.train.length
+    heights = np.sort(run.frames["centroid"][..., 2] % length, axis=1)
+    return np.diff(heights, axis=1, append=heights[:, :1] + length)
 
 
 def events(run: Run, measures: dict[str, np.ndarray]) -> dict[str, float | None]:

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from celltrain.compiled.kernels import dot, squared
+
 #: Half the largest curvature of a membrane, 1/r0, that a search for what is near allows for.
 BEND = 3.0
 
@@ -32,22 +34,22 @@ def facing_on_host(points: Any, normals: Any, starts: Any, within: float, far: A
                 middle[block, i] = points[cell, first:last, i].mean()
             square = 0.0
             for p in range(first, last):
-                square = max(square, _square(points[cell, p], middle[block]))
+                square = max(square, squared(_apart(points[cell, p], middle[block])))
             radius[block] = math.sqrt(square)
         for one in range(blocks):
             for other in range(one, blocks):
                 bound = radius[one] + radius[other] + reach
-                if _square(middle[one], middle[other]) >= bound * bound:
+                if squared(_apart(middle[one], middle[other])) >= bound * bound:
                     continue
                 for p in range(starts[one], starts[one + 1]):
                     for q in range(starts[other], starts[other + 1]):
-                        if _product(normals[cell, p], normals[cell, q]) >= 0.0:
+                        if dot(normals[cell, p], normals[cell, q]) >= 0.0:
                             continue
-                        square = _square(points[cell, p], points[cell, q])
+                        apart = _apart(points[cell, p], points[cell, q])
+                        square = squared(apart)
                         if square >= reach * reach:
                             continue
-                        rise = _height(points[cell, p], points[cell, q], normals[cell, p])
-                        back = _height(points[cell, p], points[cell, q], normals[cell, q])
+                        rise, back = dot(apart, normals[cell, p]), dot(apart, normals[cell, q])
                         height = min(abs(rise), abs(back))
                         if height < within + BEND * (square - height * height):
                             found[cell, p] = found[cell, q] = True
@@ -55,17 +57,5 @@ def facing_on_host(points: Any, normals: Any, starts: Any, within: float, far: A
 
 
 @njit(inline="always", error_model="numpy")
-def _product(a: Any, b: Any) -> float:
-    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
-
-
-@njit(inline="always", error_model="numpy")
-def _square(a: Any, b: Any) -> float:
-    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
-    return float(x * x + y * y + z * z)
-
-
-@njit(inline="always", error_model="numpy")
-def _height(a: Any, b: Any, normal: Any) -> float:
-    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
-    return float(x * normal[0] + y * normal[1] + z * normal[2])
+def _apart(a: Any, b: Any) -> Any:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]

@@ -95,9 +95,9 @@ class FilmGrid:
 
         Cells recur with the period.
         """
-        points, areas, stretch = self.coarse.surfaces(shapes)
-        found = self._between_cells(shapes, points, within, period)
-        for cell, sides in self.own_sides.find(shapes, points, areas, stretch, within=within):
+        surfaces = self.coarse.surfaces(shapes)
+        found = self._between_cells(shapes, surfaces.points, within, period)
+        for cell, sides in self.own_sides.find(shapes, surfaces, within=within):
             number = np.full_like(sides.node, cell)
             found.append(
                 FilmPoints(number, number, sides.node, sides.gap, sides.direction, sides.nearest)

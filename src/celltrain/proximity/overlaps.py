@@ -28,10 +28,10 @@ FACING = 0.05
 class Overlap:
     """A cell that overlaps another one, or the wall, or crosses itself.
 
-    `second` is displaced by `image` periods; it is None for the wall, and `first` without being
-    displaced where two parts of one membrane cross. `point` is that of all grid
-    points of either cell which is deepest inside the other (or the wall), seen from `first`, and
-    `depth` how deep, both in r0; of parts that cross, among those closer than `FACING`.
+    `second` is displaced by `image` periods; it is None for the wall, and `first`, not displaced,
+    where two parts of one membrane cross. `point` is that of all grid points of either cell which
+    is deepest inside the other (or the wall), seen from `first`, and `depth` how deep, both in r0;
+    of parts that cross, only those closer to each other than `FACING` are asked.
     """
 
     first: int
@@ -127,7 +127,7 @@ def _across_themselves(shapes: Shapes) -> list[Overlap]:
     """Cells of which two parts have crossed."""
     grid = film_grid(degree_of(shapes))
     found = []
-    for cell, sides in grid.own_sides.find(shapes, *grid.coarse.surfaces(shapes), within=FACING):
+    for cell, sides in grid.own_sides.find(shapes, grid.coarse.surfaces(shapes), within=FACING):
         deepest = int(np.argmin(sides.gap))
         depth = -float(sides.gap[deepest])
         if depth > 0.0:

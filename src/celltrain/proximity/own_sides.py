@@ -28,7 +28,7 @@ from celltrain.harmonics import (
 )
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.proximity.nearest import NearestPointSearch, nearest_points
-from celltrain.proximity.surface_grid import SurfaceGrid, Vectors
+from celltrain.proximity.surface_grid import SurfaceGrid, Surfaces
 
 Points = Float[np.ndarray, "point 3"]
 Nodes = Float[np.ndarray, "node 3"]
@@ -66,8 +66,8 @@ class OwnSides:
 class OwnSidesSearch:
     """The search, for shapes with the harmonics below one degree.
 
-    The points of the coarse grid are in blocks, which `starts` says where they begin; `parent` is
-    the nearest of them to each point of the fine grid.
+    The points of the coarse grid are in blocks; `block` is that of each point, and `starts` where
+    each block begins. `parent` is the point of the coarse grid nearest to each of the fine one.
     """
 
     coarse: SurfaceGrid
@@ -78,18 +78,13 @@ class OwnSidesSearch:
     search: NearestPointSearch
 
     def find(
-        self,
-        shapes: Shapes,
-        points: Vectors,
-        areas: Vectors,
-        stretch: Float[np.ndarray, " cell"],
-        *,
-        within: float,
+        self, shapes: Shapes, surfaces: Surfaces, *, within: float
     ) -> list[tuple[int, OwnSides]]:
         """Cells with parts closer than `within` (r0) to each other, and the points there.
 
-        **Arguments:** `points`, `areas`, `stretch`: what the coarse grid has of the shapes.
+        **Arguments:** `surfaces`: what the coarse grid has of the shapes.
         """
+        points, areas, stretch = surfaces
         normals = areas / np.linalg.norm(areas, axis=-1, keepdims=True)
         # From a point of a membrane to the nearest one of the grid it is half a diagonal.
         far = math.sqrt(2.0) * stretch * self.coarse.step

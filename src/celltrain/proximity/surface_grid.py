@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -11,6 +12,18 @@ from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.tables import harmonic_tables
 
 Vectors = Float[np.ndarray, "cell point 3"]
+
+
+class Surfaces(NamedTuple):
+    """What a grid has of shapes: points, outward area elements, and stretches.
+
+    Area elements are by the area on the parameter sphere. A cell's stretch is the largest length on
+    its membrane for one on the sphere, along the coordinates.
+    """
+
+    points: Vectors
+    areas: Vectors
+    stretch: Float[np.ndarray, " cell"]
 
 
 @dataclass(frozen=True)
@@ -36,20 +49,14 @@ class SurfaceGrid:
         """Angle between neighbouring rings, and at the equator between points of a ring."""
         return math.pi / self.order
 
-    def surfaces(
-        self, shapes: Shapes, nodes: Int[np.ndarray, " point"] | None = None
-    ) -> tuple[Vectors, Vectors, Float[np.ndarray, " cell"]]:
-        """Points, outward area elements, by the area on the parameter sphere, and stretches.
-
-        A cell's stretch is the largest length on its membrane for one on the sphere, along the
-        coordinates. **Arguments:** `nodes`: numbers of the points, all unless given.
-        """
+    def surfaces(self, shapes: Shapes, nodes: Int[np.ndarray, " point"] | None = None) -> Surfaces:
+        """The surfaces of shapes. **Arguments:** `nodes`: numbers of the points, if not all."""
         tables = self.tables if nodes is None else self.tables[:, nodes]
         # One product of matrices: many small ones take four times as long.
         every = tables.reshape(-1, tables.shape[2]) @ shapes.reshape(-1, shapes.shape[2]).T
         points, down, around = np.moveaxis(every.reshape(3, tables.shape[1], len(shapes), 3), 2, 1)
         squares = (np.max(np.sum(each**2, axis=-1), axis=1) for each in (down, around))
-        return points, np.cross(down, around), np.sqrt(np.maximum(*squares))
+        return Surfaces(points, np.cross(down, around), np.sqrt(np.maximum(*squares)))
 
     def reordered(self, order: Int[np.ndarray, " point"]) -> "SurfaceGrid":
         """The same points in another order."""

@@ -96,7 +96,8 @@ def film_forces(
 ) -> FilmForces:
     """The repulsion in the films of equal cells, whose shapes have the degree of `sizes`."""
     grid = film_grid(sizes.degree)
-    _, (areas,), _ = grid.fine.surfaces(resting_shape(cell, sizes.degree, sizes.grading)[None])
+    at_rest = resting_shape(cell, sizes.degree, sizes.grading)
+    (areas,) = grid.fine.surfaces(at_rest[None]).areas
     return FilmForces(
         repulsion=repulsion,
         surroundings=surroundings,
