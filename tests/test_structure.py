@@ -21,6 +21,7 @@ ROOMS = (
     "clock",
     "interruption",
     "runtime",
+    "programs",
     "laws",
     "quantities",
     "parameters",

@@ -14,8 +14,11 @@ class CompileClock:
 
     def listen(self, event: str, duration_secs: float, **_: str | int) -> None:
         """Take one of JAX's reports."""
-        if not event.startswith("/jax/core/compile/"):
-            return
+        if event.startswith("/jax/core/compile/"):
+            self.add(duration_secs)
+
+    def add(self, duration_secs: float) -> None:
+        """Count what has just ended."""
         end = time.perf_counter()
         start = end - duration_secs
         # Reports come when a span ends, so a longer one replaces those that it encloses.

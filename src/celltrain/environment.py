@@ -64,6 +64,8 @@ if CACHE is None:
 
 #: Where JAX keeps compiled programs, unless the user has given it a folder.
 PROGRAMS = None if CACHE is None else os.path.join(CACHE, "compiled")
+#: Whether whole programs are kept there, so that they need not be traced either (see `programs`).
+KEEPS_PROGRAMS = False
 
 #: Environment of a process that computes in one thread, beside others that do the same.
 ONE_THREAD = {

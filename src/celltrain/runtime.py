@@ -28,13 +28,14 @@ from celltrain.clock import compilation
 from celltrain.environment import JAX_CAME_FIRST, PROGRAMS, UnsuitableSetting
 
 
-def _setting(name: str) -> Any:
+def setting(name: str) -> Any:
+    """A setting of JAX."""
     return getattr(jax.config, name)  # of which its types do not know
 
 
 def _configure() -> None:
     jax.config.update("jax_enable_x64", True)
-    if _setting("jax_compilation_cache_dir") is None and PROGRAMS and not JAX_CAME_FIRST:
+    if setting("jax_compilation_cache_dir") is None and PROGRAMS and not JAX_CAME_FIRST:
         jax.config.update("jax_compilation_cache_dir", PROGRAMS)
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.monitoring.register_event_duration_secs_listener(compilation.listen)
@@ -46,12 +47,12 @@ def check_jax() -> None:
     Raises:
         UnsuitableSetting: if it cannot as it is set, with what to do.
     """
-    if not _setting("jax_enable_x64"):
+    if not setting("jax_enable_x64"):
         raise UnsuitableSetting(
             "JAX was set to 32-bit floats after celltrain had set it to 64-bit ones; allowed:"
             " jax.config.update('jax_enable_x64', True)"
         )
-    promotion = _setting("jax_numpy_dtype_promotion")
+    promotion = setting("jax_numpy_dtype_promotion")
     if promotion != "standard":
         raise UnsuitableSetting(
             f"jax_numpy_dtype_promotion = {promotion!r} is not allowed;"
@@ -60,7 +61,7 @@ def check_jax() -> None:
     try:
         jax.devices()
     except RuntimeError as error:
-        platforms = _setting("jax_platforms")
+        platforms = setting("jax_platforms")
         raise UnsuitableSetting(
             f"JAX_PLATFORMS = {platforms!r} is not allowed here ({str(error).splitlines()[0]});"
             " allowed: cpu, or none given"

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
+from celltrain import environment
 from celltrain.cli.interrupts import Interrupts
 from celltrain.cli.kept_programs import mended_programs
 from celltrain.cli.streams import prepare_streams
@@ -23,6 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # What a command loads and traces stays: to look through it again and again for what does
         # not takes a tenth of the time.
         gc.set_threshold(50_000, 20, 50)
+        environment.KEEPS_PROGRAMS = True
         prepare_streams()
         # No window is opened, and Matplotlib ends with an error for a name that it does not know.
         os.environ["MPLBACKEND"] = "agg"

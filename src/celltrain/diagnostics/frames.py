@@ -2,7 +2,6 @@
 
 from functools import lru_cache
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -17,6 +16,7 @@ from celltrain.diagnostics.spectrum import deformation_spectrum
 from celltrain.harmonics.jax_shapes import JaxShape, JaxShapes
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError, Train
+from celltrain.programs import program
 from celltrain.proximity.distances import cell_distance, wall_distance
 from celltrain.surroundings import train_tube
 from celltrain.train import train_membrane
@@ -66,7 +66,7 @@ def _membrane(train: Train) -> Membrane:
     return train_membrane(train)
 
 
-@eqx.filter_jit
+@program
 def _measure(
     membrane: Membrane,
     shapes: JaxShapes,

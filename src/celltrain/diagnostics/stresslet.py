@@ -1,6 +1,5 @@
 """What cells add to the stress of the fluid in which they are suspended."""
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -8,10 +7,11 @@ from jaxtyping import Array, Float
 from celltrain.diagnostics.moments import surface_elements
 from celltrain.harmonics import surface_points
 from celltrain.harmonics.jax_shapes import JaxShapes
+from celltrain.programs import program
 from celltrain.train import CellsOperator
 
 
-@eqx.filter_jit
+@program
 def stresslets(
     operator: CellsOperator, shapes: JaxShapes, forces: JaxShapes, motions: JaxShapes
 ) -> Float[Array, "cell 3 3"]:

@@ -24,6 +24,7 @@ from celltrain.harmonics import (
 from celltrain.laws import MomentBending
 from celltrain.membrane import place_cells
 from celltrain.membrane.geometry import surface_geometry
+from celltrain.programs import program
 from celltrain.proximity.overlaps import Overlap, overlaps
 from celltrain.runtime import constant
 from celltrain.stability import paper_weights
@@ -173,7 +174,7 @@ def train_dynamics(
     )
 
 
-@eqx.filter_jit
+@program
 def cell_volumes(
     operator: CellsOperator, shapes: Float[Array, "cell 3 coefficient"]
 ) -> Float[Array, " cell"]:
@@ -186,12 +187,12 @@ def _tube_rates(operator: CellsOperator, shapes: Shapes, forces: Shapes) -> Shap
     return np.asarray(_rates(operator, jnp.asarray(shapes), jnp.asarray(forces)))
 
 
-@eqx.filter_jit
+@program
 def _rates(operator: CellsOperator, shapes: Array, forces: Array) -> Array:
     return operator.rates(shapes, forces)
 
 
-@eqx.filter_jit
+@program
 def _settle(
     operator: CellsOperator,
     base: Float[Array, "cell 3 coefficient"],

@@ -36,6 +36,7 @@ from celltrain.membrane.density import (
     rest_geometry,
 )
 from celltrain.membrane.geometry import surface_forms, volume
+from celltrain.programs import program
 from celltrain.runtime import constant
 
 _Law = TypeVar("_Law", ConstitutiveLaw, BendingLaw)
@@ -157,11 +158,12 @@ def make_membrane(
         tables=tables,
         weights=grid.weights,
         inverse_sine=constant(1.0 / np.sin(theta)),
-        reference=eqx.filter_jit(_rest_geometry)(tables, shape),
+        reference=_rest_geometry(tables, shape),
         reference_shape=shape,
     )
 
 
+@program
 def _rest_geometry(tables: HarmonicTables, shape: JaxShape) -> RestGeometry:
     return rest_geometry(surface_forms(tables, shape))
 

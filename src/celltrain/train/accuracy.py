@@ -2,7 +2,6 @@
 
 import math
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -10,6 +9,7 @@ from jaxtyping import Array, Float
 from celltrain.harmonics import Shapes
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.parameters import Train
+from celltrain.programs import program
 from celltrain.train.operator import CellsOperator, train_operator
 
 # Finer in every respect but the degree of the shapes.
@@ -37,7 +37,7 @@ def refined(train: Train) -> Train:
     )
 
 
-@eqx.filter_jit
+@program
 def _velocity(
     operator: CellsOperator, values: Float[Array, "point coefficient"], shapes: JaxShapes
 ) -> Float[Array, "cell point 3"]:

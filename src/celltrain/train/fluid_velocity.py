@@ -1,11 +1,11 @@
 """Velocity of the fluid in a steady train."""
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.parameters import CaseError
+from celltrain.programs import program
 from celltrain.steady import Base
 from celltrain.surroundings import train_tube
 from celltrain.train.operator import CellsOperator, train_operator
@@ -14,7 +14,7 @@ from celltrain.train.operator import CellsOperator, train_operator
 ROUNDING = 1e-12
 
 
-@eqx.filter_jit
+@program
 def _velocity(operator: CellsOperator, points: Array, shapes: Array) -> Array:
     return operator.velocity_at(points, shapes)
 

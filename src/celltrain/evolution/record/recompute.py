@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -10,6 +9,7 @@ from jaxtyping import Array, Float
 from celltrain.evolution.dynamics import train_dynamics
 from celltrain.evolution.record.run import Run
 from celltrain.evolution.wall_resolution import LARGEST, SMALLEST, followed
+from celltrain.programs import program
 from celltrain.train import CellsOperator
 
 #: Called with the number of frames done and that of all.
@@ -57,7 +57,7 @@ def pressure_drops(
     return np.array(found)
 
 
-@eqx.filter_jit
+@program
 def _pressure_drop(
     operator: CellsOperator, shapes: Array, film_forces: Array, motions: Array
 ) -> Array:

@@ -1,0 +1,246 @@
+"""Programs of JAX that commands keep, so that the next one need not trace them.
+
+What XLA has compiled JAX keeps by the text that it compiled, which must be traced and lowered
+first: for a simulation's programs that takes several times as long as loading them. Here a program
+is found by all that the text follows from: the function and its arguments but for the numbers in
+arrays, the sources of this package, the versions of the libraries, what the environment says to
+them, and the processor. Where any of it is new, the program is made as ever, and kept.
+
+Only commands keep programs (`environment.KEEPS_PROGRAMS`), on processors: in other processes the
+package's functions may have been replaced, and arguments may be of classes that are the user's.
+"""
+
+import hashlib
+import io
+import os
+import pickle
+import platform
+import time
+import zlib
+from collections.abc import Callable, Hashable
+from contextlib import suppress
+from functools import cache, update_wrapper
+from pathlib import Path
+from typing import Any, Generic, ParamSpec, TypeVar
+
+import equinox as eqx
+import jax
+import jax_finufft
+import jaxlib
+import numpy as np
+import scipy
+from jax.experimental.serialize_executable import deserialize_and_load, serialize
+from jaxtyping import PyTree
+
+from celltrain import environment
+from celltrain.clock import compilation
+from celltrain.runtime import only_processors, setting
+from celltrain.version import __version__
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+# From the arrays among the arguments to those of the result, and the result with their places.
+_Loaded = tuple[Callable[[list[Any]], list[Any]], PyTree]
+
+#: Programs that are kept; those not used for longest go.
+MOST = 200
+# Roots of the modules of which arguments may hold classes and functions.
+_KNOWN = ("celltrain", "builtins", "numpy", "jax", "jaxlib", "equinox", "copyreg")
+# Beginnings of the names of variables that say how programs are to be made.
+_SETTINGS = ("JAX_", "XLA_", "CELLTRAIN_")
+_DIGEST_BYTES = 16
+# Versions with which loaded programs were tried: what they need beside their code may change.
+_JAXLIB = "0.10."
+
+
+class Program(Generic[Arguments, Result]):
+    """A function that is compiled, and kept where programs are (see the module)."""
+
+    def __init__(self, function: Callable[Arguments, Result]) -> None:
+        self._function = function
+        self._traced: Callable[Arguments, Result] = eqx.filter_jit(function)
+        self._loaded: dict[Hashable, _Loaded | None] = {}
+        update_wrapper(self, function)
+
+    def __call__(self, *arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
+        """What the function gives; arrays are arrays of JAX."""
+        folder = _folder()
+        leaves, tree = jax.tree.flatten((arguments, named))
+        traced = any(isinstance(each, jax.core.Tracer) for each in leaves)
+        if folder is None or traced:
+            return self._traced(*arguments, **named)
+        signature = (tree, tuple(_form(each) for each in leaves))
+        if signature not in self._loaded:
+            self._loaded[signature] = self._found(folder, leaves, tree)
+        loaded = self._loaded[signature]
+        if loaded is None:
+            return self._traced(*arguments, **named)
+        run, result = loaded
+        found = run([each for each in leaves if eqx.is_array(each)])
+        return jax.tree.map(found.__getitem__, result)
+
+    def _found(self, folder: Path, leaves: list[Any], tree: Any) -> _Loaded | None:
+        """The program for such arguments, loaded or made; None if it cannot be kept."""
+        key = _key(self._function, tree.unflatten([_form(each) for each in leaves]))
+        if key is None:
+            return None
+        arrays = [each for each in leaves if eqx.is_array(each)]
+        path = folder / f"{self._function.__name__.strip('_')}-{key}-program"
+        begin = time.perf_counter()
+        loaded = _load(path, arrays)
+        if loaded is not None:
+            compilation.add(time.perf_counter() - begin)
+            return loaded
+        outcome: list[PyTree] = []
+
+        def over_arrays(arrays: list[Any]) -> list[Any]:
+            given = iter(arrays)
+            every = [next(given) if eqx.is_array(each) else each for each in leaves]
+            arguments, named = tree.unflatten(every)
+            parts, structure = jax.tree.flatten(self._function(*arguments, **named))
+            outcome.append(structure.unflatten(range(len(parts))))
+            return parts
+
+        # A name of its own, so that JAX takes it from nothing that was compiled elsewhere: what XLA
+        # has itself loaded cannot be written whole again.
+        over_arrays.__name__ = f"{self._function.__name__}_{__version__.replace('.', '_')}"
+        before = _loads.number
+        compiled = jax.jit(over_arrays).lower(arrays).compile()
+        if _loads.number == before:
+            _keep(path, compiled, outcome[0])
+        return compiled, outcome[0]
+
+
+class _Loads:
+    """How many programs JAX has loaded from those that it keeps."""
+
+    def __init__(self) -> None:
+        self.number = 0
+        jax.monitoring.register_event_listener(self.listen)
+
+    def listen(self, event: str, **_: str | int) -> None:
+        """Take one of JAX's reports."""
+        self.number += event == "/jax/compilation_cache/cache_hits"
+
+
+_loads = _Loads()
+
+
+def program(function: Callable[Arguments, Result]) -> Program[Arguments, Result]:
+    """Compile a function of trees of arrays and of what else its arguments hold."""
+    return Program(function)
+
+
+def _folder() -> Path | None:
+    """Where programs are kept, None if they are not."""
+    known = environment.PROGRAMS
+    if known is None or not environment.KEEPS_PROGRAMS or not only_processors():
+        return None
+    if not jaxlib.__version__.startswith(_JAXLIB):
+        return None
+    # The user may have given JAX another folder, or none.
+    kept = setting("jax_enable_compilation_cache") and setting("jax_compilation_cache_dir")
+    return Path(known) if kept == known else None
+
+
+def _form(leaf: Any) -> Hashable:
+    """What a program depends on of a leaf of its arguments."""
+    if not eqx.is_array(leaf):
+        return leaf
+    return leaf.shape, str(leaf.dtype), getattr(leaf, "weak_type", False)
+
+
+class _Pickler(pickle.Pickler):
+    """Refuses what may mean something else in the next process."""
+
+    def reducer_override(self, value: Any) -> Any:
+        owner = value if isinstance(value, type) or callable(value) else type(value)
+        module = str(getattr(owner, "__module__", None) or "builtins")
+        if module.split(".")[0] not in _KNOWN:
+            raise pickle.PicklingError(f"{module} may change")
+        return NotImplemented
+
+
+def _key(function: Callable[..., Any], forms: PyTree) -> str | None:
+    """The name of a program; None for arguments that cannot be told apart in another process."""
+    foundation = _foundation()
+    if foundation is None:
+        return None
+    written = io.BytesIO()
+    try:
+        _Pickler(written).dump((function.__module__, function.__qualname__, forms))
+    except (pickle.PicklingError, TypeError, AttributeError):
+        return None
+    settings = sorted(each for each in os.environ.items() if each[0].startswith(_SETTINGS))
+    return _digest(written.getvalue() + foundation + repr(settings).encode()).hex()
+
+
+@cache
+def _foundation() -> bytes | None:
+    """What all programs depend on: sources, libraries, the processor; None without sources."""
+    from llvmlite import binding
+
+    libraries = (jax, jaxlib, jax_finufft, eqx, np, scipy)
+    versions = [platform.python_version(), *(each.__version__ for each in libraries)]
+    processor = [binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()]
+    package = Path(__file__).parent
+    sources = [
+        (str(each.relative_to(package)), _digest(each.read_bytes()))
+        for each in sorted(package.rglob("*.py"))
+    ]
+    if not sources:
+        return None
+    return _digest(repr((versions, processor, sources)).encode())
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.blake2b(content, digest_size=_DIGEST_BYTES).digest()
+
+
+def _load(path: Path, arrays: list[Any]) -> _Loaded | None:
+    """The program of a file; None if there is none, or it is damaged, and then removed."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    digest, packed = content[:_DIGEST_BYTES], content[_DIGEST_BYTES:]
+    _load_lapack()
+    try:
+        if _digest(packed) != digest:
+            raise ValueError("damaged")
+        executable, result = pickle.loads(zlib.decompress(packed))
+        inward = jax.tree.structure(((arrays,), {}))
+        outward = jax.tree.structure([0] * len(jax.tree.leaves(result)))
+        loaded = deserialize_and_load(executable, inward, outward)
+    except Exception:  # whatever a library finds wrong with it: the program is made anew
+        with suppress(OSError):
+            path.unlink()
+        return None
+    with suppress(OSError):
+        os.utime(path)
+    return loaded, result
+
+
+@cache
+def _load_lapack() -> None:
+    """Let JAX find LAPACK, which it does when it lowers a call of it; a program would not."""
+    jax.jit(jax.lax.linalg.cholesky).lower(jax.ShapeDtypeStruct((1, 1), float))
+
+
+def _keep(path: Path, compiled: jax.stages.Compiled, result: PyTree) -> None:
+    """Write a program, and remove those not used for longest; nothing where that cannot be."""
+    part = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        executable = serialize(compiled)[0]
+        packed = zlib.compress(pickle.dumps((executable, result)), level=1)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            part.write_bytes(_digest(packed) + packed)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+        kept = sorted(path.parent.glob("*-program"), key=lambda each: each.stat().st_mtime)
+        for old in kept[:-MOST]:
+            old.unlink()
+    except (OSError, ValueError, NotImplementedError, pickle.PicklingError):
+        return

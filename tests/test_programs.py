@@ -1,0 +1,243 @@
+"""Programs that commands keep: found again only where nothing they depend on has changed."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import xarray as xr
+from jax.experimental.compilation_cache import compilation_cache
+
+from celltrain import environment, programs
+from celltrain.programs import Program
+
+traced: list[str] = []
+
+
+class Pair(eqx.Module):
+    first: jax.Array
+    second: Any
+    name: str = eqx.field(static=True)
+
+
+def spectrum(pair: Pair, amount: int) -> Pair:
+    """Something with LAPACK in it, and with a tree for its result."""
+    traced.append(pair.name)
+    values, vectors = jnp.linalg.eigh(pair.first * amount)
+    return Pair(values, {"vectors": vectors, "given": pair.second}, pair.name)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Programs are kept in a folder of the test's own, and JAX keeps none of its own."""
+    kept = tmp_path / "compiled"
+    names = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
+    before = [getattr(jax.config, name) for name in names]
+    monkeypatch.setattr(environment, "KEEPS_PROGRAMS", True)
+    monkeypatch.setattr(environment, "PROGRAMS", str(kept))
+    # What this file brings is as good as the package's own.
+    monkeypatch.setattr(programs, "_KNOWN", (*programs._KNOWN, Pair.__module__.split(".")[0]))
+    for name, setting in zip(names, (str(kept), float("inf")), strict=True):
+        jax.config.update(name, setting)
+    compilation_cache.reset_cache()
+    traced.clear()
+    yield kept
+    for name, setting in zip(names, before, strict=True):
+        jax.config.update(name, setting)
+    compilation_cache.reset_cache()
+
+
+def symmetric(size: int = 4) -> jax.Array:
+    matrix = np.random.default_rng(0).normal(size=(size, size))
+    return jnp.asarray(matrix + matrix.T)
+
+
+def pair(size: int = 4, name: str = "some", second: Any = 1.0) -> Pair:
+    return Pair(symmetric(size), jnp.asarray(second), name)
+
+
+def kept(folder: Path) -> list[Path]:
+    return sorted(folder.glob("*-program"))
+
+
+def test_the_next_process_does_not_trace_and_finds_the_same(folder: Path) -> None:
+    made = Program(spectrum)(pair(), 2)
+    assert len(kept(folder)) == 1
+    found = Program(spectrum)(pair(), 2)
+    assert traced == ["some"]
+    assert found.name == "some"
+    assert eqx.tree_equal(made, found)
+    np.testing.assert_allclose(found.first, np.linalg.eigvalsh(2 * np.asarray(symmetric())))
+    # Other numbers in the arrays are other data for the same program.
+    other = Program(spectrum)(pair(second=7.0), 2)
+    assert (traced, float(other.second["given"])) == (["some"], 7.0)
+
+
+def test_within_a_process_it_is_looked_for_once(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = Program(spectrum)
+    one(pair(), 2)
+    monkeypatch.setattr(programs, "_load", None)
+    monkeypatch.setattr(programs, "_key", None)
+    assert eqx.tree_equal(one(pair(), 2), one(pair(), 2))
+    assert traced == ["some"]
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        (pair(size=5), 2),
+        (pair(name="another"), 2),
+        (pair(), 3),
+        (pair(second=[1.0]), 2),
+        (pair(second=1), 2),
+        (pair(), 2.0),
+        (Pair(symmetric(), jnp.asarray(np.ones(())), "some"), 2),
+        (Pair(symmetric(), None, "some"), 2),
+    ],
+    ids=["shape", "name", "number", "rank", "integer", "float", "strong", "absent"],
+)
+def test_programs_of_other_arguments_are_others(folder: Path, changed: tuple[Any, ...]) -> None:
+    Program(spectrum)(pair(), 2)
+    Program(spectrum)(*changed)
+    assert len(kept(folder)) == len(traced) == 2
+
+
+def test_what_programs_are_made_from_tells_them_apart(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Program(spectrum)(pair(), 2)
+    monkeypatch.setenv("CELLTRAIN_NUFFT_THREADS", "2")
+    Program(spectrum)(pair(), 2)
+    monkeypatch.setattr(programs, "_foundation", lambda: b"other sources")
+    Program(spectrum)(pair(), 2)
+    assert len(kept(folder)) == len(traced) == 3
+
+
+def test_every_source_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "celltrain"
+    (package / "flow").mkdir(parents=True)
+    (package / "flow" / "near.py").write_text("1")
+    monkeypatch.setattr(programs, "__file__", str(package / "programs.py"))
+    programs._foundation.cache_clear()
+    first = programs._foundation()
+    (package / "flow" / "near.py").write_text("2")
+    programs._foundation.cache_clear()
+    assert programs._foundation() != first
+    (package / "flow" / "near.py").unlink()
+    programs._foundation.cache_clear()
+    # Where sources cannot be read nothing may be kept.
+    assert programs._foundation() is None
+    monkeypatch.undo()
+    programs._foundation.cache_clear()
+
+
+@pytest.mark.parametrize("damage", [b"", b"x" * 100, None])
+def test_damaged_programs_are_made_anew(folder: Path, damage: bytes | None) -> None:
+    made = Program(spectrum)(pair(), 2)
+    (path,) = kept(folder)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-1] if damage is None else damage)
+    assert eqx.tree_equal(Program(spectrum)(pair(), 2), made)
+    assert traced == ["some", "some"]
+
+
+def test_arguments_of_classes_of_others_are_not_trusted(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(programs, "_KNOWN", ("celltrain", "builtins", "jax", "jaxlib"))
+    found = Program(spectrum)(pair(), 2)
+    assert kept(folder) == []
+    np.testing.assert_allclose(found.first, np.linalg.eigvalsh(2 * np.asarray(symmetric())))
+
+
+def test_what_cannot_be_told_apart_is_not_kept(folder: Path) -> None:
+    def inner(x: jax.Array) -> jax.Array:
+        return 2 * x
+
+    assert float(Program(lambda f, x: f(x))(inner, jnp.asarray(1.0))) == 2.0
+    assert kept(folder) == []
+
+
+def test_derivatives_go_through_the_function(folder: Path) -> None:
+    def energy(first: jax.Array) -> jax.Array:
+        return Program(spectrum)(Pair(first, None, "some"), 1).first.sum()
+
+    np.testing.assert_allclose(jax.grad(energy)(symmetric()), np.eye(4), atol=1e-12)
+    assert kept(folder) == []
+
+
+def test_nothing_is_kept_where_it_is_not_wanted(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(environment, "KEEPS_PROGRAMS", False)
+    Program(spectrum)(pair(), 2)
+    monkeypatch.setattr(environment, "KEEPS_PROGRAMS", True)
+    jax.config.update("jax_enable_compilation_cache", False)
+    Program(spectrum)(pair(), 3)
+    jax.config.update("jax_enable_compilation_cache", True)
+    monkeypatch.setattr(environment, "PROGRAMS", str(folder / "elsewhere"))
+    Program(spectrum)(pair(), 4)
+    assert not list(folder.rglob("*-program"))
+
+
+def test_a_program_that_jax_had_is_not_kept(folder: Path) -> None:
+    """XLA cannot write what it has itself loaded: without its machine code it would fail."""
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+    Program(spectrum)(pair(), 2)
+    (path,) = kept(folder)
+    path.unlink()
+    jax.clear_caches()
+    Program(spectrum)(pair(), 2)
+    assert kept(folder) == []
+
+
+def test_those_not_used_for_longest_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(programs, "MOST", 2)
+    for number in (1, 2):
+        Program(spectrum)(pair(), number)
+    first, second = sorted(kept(folder), key=lambda each: each.stat().st_mtime)
+    os.utime(first, (1, 1))
+    os.utime(second, (2, 2))
+    Program(spectrum)(pair(), 1)  # used again
+    Program(spectrum)(pair(), 3)
+    assert first in kept(folder)
+    assert len(kept(folder)) == 2
+    assert second not in kept(folder)
+
+
+@pytest.mark.slow
+def test_a_simulation_begins_without_tracing_and_gives_the_same(tmp_path: Path) -> None:
+    """Every program of the command, among them compiled loops, transforms and LAPACK's parts."""
+    case = "--diameter 6 --packing 0.2 --cells 1 --degree 6 --amplitude 0.05 --until 0.05"
+    surroundings = os.environ | {"XDG_CACHE_HOME": str(tmp_path), "JAX_LOG_COMPILES": "1"}
+
+    def simulated() -> tuple[xr.Dataset, str]:
+        path = tmp_path / "run.nc"
+        command = [sys.executable, "-m", "celltrain", "evolve", *case.split(), "--quiet"]
+        done = subprocess.run(
+            [*command, "--overwrite", "-o", path],
+            capture_output=True,
+            text=True,
+            check=True,
+            env=surroundings,
+        )
+        data = xr.load_dataset(path, decode_times=False)
+        times = [name for name in data.variables if str(name).endswith("seconds")]
+        assert times
+        return data.drop_vars(times), done.stderr
+
+    names = [f"jit(_{name}" for name in ("rates", "settle", "measure")]
+    made, log = simulated()
+    assert all(name in log for name in names)
+    found, log = simulated()
+    assert not any(name in log for name in names)
+    xr.testing.assert_equal(made, found)
