@@ -46,17 +46,50 @@ def test_few_eigenvalues_take_few_iterations() -> None:
         lambda x: diagonal * x, jnp.ones(36), tolerance=1e-12, iterations=20
     )
     assert_allclose(solution, 1 / diagonal, rtol=1e-11)
-    # The start x = b is exact already where the eigenvalue is 1.
-    assert convergence.iterations == 2
+    assert convergence.iterations == 3
 
 
 def test_exact_at_once() -> None:
     right = jnp.arange(5.0)
     solution, convergence = gmres(lambda x: x, right, tolerance=1e-12, iterations=4)
     assert_allclose(solution, right)
-    assert convergence.iterations == 0
-    nothing, _ = gmres(lambda x: 2 * x, jnp.zeros(5), tolerance=1e-12, iterations=4)
+    assert convergence.iterations == 1
+    nothing, convergence = gmres(lambda x: 2 * x, jnp.zeros(5), tolerance=1e-12, iterations=4)
     assert_allclose(nothing, 0.0)
+    assert convergence.iterations == 0
+
+
+def test_a_guess_saves_iterations() -> None:
+    matrix, right = problem()
+    exact = np.linalg.solve(matrix, right)
+
+    def solve(guess: np.ndarray | None):
+        given = None if guess is None else jnp.asarray(guess)
+        operator = jnp.asarray(matrix).__matmul__
+        rules = {"tolerance": 1e-8, "iterations": 40}
+        solution, convergence = gmres(operator, jnp.asarray(right), **rules, guess=given)
+        residual = np.linalg.norm(matrix @ solution - right) / np.linalg.norm(right)
+        assert residual < 1e-8
+        assert_allclose(convergence.residual, residual, rtol=1e-2, atol=1e-12)
+        return np.asarray(solution), int(convergence.iterations)
+
+    solution, none = solve(None)
+    for zeros in (0.0 * right, -0.0 * right):
+        again, count = solve(zeros)
+        assert count == none
+        assert_allclose(again, solution, rtol=0, atol=1e-15)
+    away = np.random.default_rng(2).normal(size=exact.size)
+    counts = [solve(exact + size * away)[1] for size in (1e-2, 1e-4, 1e-6, 0.0)]
+    assert none > counts[0] > counts[1] > counts[2] > counts[3]
+    assert counts[3] == 1
+
+
+def test_nothing_is_tried_with_what_is_not_finite() -> None:
+    right = jnp.ones(5).at[3].set(jnp.nan)
+    for guess in (None, jnp.ones(5), right):
+        _, found = gmres(lambda x: 2 * x, right, tolerance=1e-8, iterations=40, guess=guess)
+        assert int(found.iterations) <= 1
+        assert np.isnan(found.residual)
 
 
 def test_derivative_is_implicit() -> None:

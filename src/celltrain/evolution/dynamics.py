@@ -67,21 +67,27 @@ class Dynamics(eqx.Module):
     wall_gap: float = eqx.field(static=True)
     linear_part: LinearPart | None = eqx.field(static=True, default=None)
 
-    def rates(self, shapes: Shapes) -> Shapes:
+    def rates(self, shapes: Shapes, expected: Shapes | None = None) -> Shapes:
         """ds/dt in the frame of the steady train, in U.
 
         NaN for shapes that are, and where the repulsion finds membranes crossing.
+
+        **Arguments:** `expected`: about these rates, from which they are found in less time where
+        the flow inside the cells must be solved for.
         """
         if not np.isfinite(shapes).all():
             return np.full_like(shapes, np.nan)
         films = self.film_forces(shapes)
         if films.gap <= 0.0:
             return films.forces
-        return self.forced_rates(shapes, films.forces)
+        return self.forced_rates(shapes, films.forces, expected)
 
-    def forced_rates(self, shapes: Shapes, forces: Shapes) -> Shapes:
+    def forced_rates(
+        self, shapes: Shapes, forces: Shapes, expected: Shapes | None = None
+    ) -> Shapes:
         """The rates with given forces per solid angle (mu U r0) beside those of the membranes."""
-        return _tube_rates(self.operator, shapes, forces) - self.steady_rates
+        guess = None if expected is None else expected + self.steady_rates
+        return _tube_rates(self.operator, shapes, forces, guess) - self.steady_rates
 
     def tube_rates(self, rates: Shapes) -> Shapes:
         """The same rates relative to the tube."""
@@ -119,15 +125,16 @@ class Dynamics(eqx.Module):
         )
         return Settled(settled, np.asarray(found.laps), measures)
 
-    def state(self, time: float, shapes: Shapes) -> State:
+    def state(self, time: float, shapes: Shapes, expected: Shapes | None = None) -> State:
         """The state of a train with the given (continuous) shapes at a time.
 
         Its rates are NaN where those of `rates` are.
+
+        **Arguments:** `expected`: as for `rates`.
         """
         settled = self.settle(shapes)
-        return State(
-            **vars(settled), time=time, rates=self.rates(settled.shapes), wall_gap=self.wall_gap
-        )
+        rates = self.rates(settled.shapes, expected)
+        return State(**vars(settled), time=time, rates=rates, wall_gap=self.wall_gap)
 
     def displacement(self, change: Shapes) -> float:
         """Largest displacement of a membrane's point by a change of the shapes, in r0."""
@@ -182,14 +189,19 @@ def cell_volumes(
     return jax.vmap(operator.membrane.volume)(shapes)
 
 
-def _tube_rates(operator: CellsOperator, shapes: Shapes, forces: Shapes) -> Shapes:
+def _tube_rates(
+    operator: CellsOperator, shapes: Shapes, forces: Shapes, guess: Shapes | None = None
+) -> Shapes:
     """Rates relative to the tube."""
-    return np.asarray(_rates(operator, jnp.asarray(shapes), jnp.asarray(forces)))
+    solved = operator.viscosity_ratio is not None
+    # One program with a guess and without: of zeros.
+    start = jnp.asarray(np.zeros_like(shapes) if guess is None else guess) if solved else None
+    return np.asarray(_rates(operator, jnp.asarray(shapes), jnp.asarray(forces), start))
 
 
 @program
-def _rates(operator: CellsOperator, shapes: Array, forces: Array) -> Array:
-    return operator.rates(shapes, forces)
+def _rates(operator: CellsOperator, shapes: Array, forces: Array, guess: Array | None) -> Array:
+    return operator.rates(shapes, forces, guess)
 
 
 @program

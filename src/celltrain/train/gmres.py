@@ -18,7 +18,7 @@ Operator = Callable[[Array], Array]
 
 
 class Iterations(eqx.Module):
-    """Applications of the operator to new directions, and residual relative to |b|."""
+    """Applications of the operator, and the residual relative to |b|."""
 
     iterations: Int[Array, ""]
     residual: Float[Array, ""]
@@ -36,36 +36,71 @@ class _Arnoldi(eqx.Module):
 
 
 def gmres(
-    operator: Operator, right: Float[Array, "..."], *, tolerance: float, iterations: int
+    operator: Operator,
+    right: Float[Array, "..."],
+    *,
+    tolerance: float,
+    iterations: int,
+    guess: Float[Array, "..."] | None = None,
 ) -> tuple[Float[Array, "..."], Iterations]:
-    """Solution x of A x = b for an operator near the identity, starting from x = b.
+    """Solution x of A x = b, starting from 0 or from a guess.
 
-    Derivatives (forward) solve the same equation for other right sides.
+    Derivatives (forward) solve the same equation for other right sides; with a guess there are
+    none.
 
-    **Arguments:** `tolerance`: of the residual relative to |b|; `iterations`: at most.
+    **Arguments:** `tolerance`: of the residual relative to |b|; `iterations`: at most; `guess`:
+    one that is 0 counts as none, any other takes one application of its own.
     """
+    if guess is not None:
+        return _solve(operator, right, guess, tolerance, iterations)
 
     def solve(matvec: Operator, right: Array) -> tuple[Array, Iterations]:
-        return _solve(matvec, right, tolerance, iterations)
+        return _solve(matvec, right, None, tolerance, iterations)
 
     solution, convergence = jax.lax.custom_linear_solve(operator, right, solve, has_aux=True)
     return solution, jax.lax.stop_gradient(convergence)
 
 
 def _solve(
-    operator: Operator, right: Array, tolerance: float, iterations: int
+    operator: Operator, right: Array, guess: Array | None, tolerance: float, iterations: int
 ) -> tuple[Array, Iterations]:
-    shape, size = right.shape, right.size
     flat = right.ravel()
-
-    def applied(vector: Array) -> Array:
-        return operator(vector.reshape(shape)).ravel()
-
     scale = jnp.linalg.norm(flat)
-    first = flat - applied(flat)
-    length = jnp.linalg.norm(first)
-    start = _Arnoldi(
-        basis=jnp.zeros((iterations + 1, size)).at[0].set(first / _safe(length)),
+    start = _begun(flat, iterations)
+    known = jnp.zeros_like(flat) if guess is None else guess.ravel()
+    # The operator is large to compile: once, in the loop, which gives a guess's residual first.
+    begun = jnp.all(known == 0.0)
+
+    def goes_on(state: tuple[Array, _Arnoldi]) -> Array:
+        begun, found = state
+        long = jnp.abs(found.right[found.step]) > tolerance * scale
+        return ~begun | (long & (found.step < iterations))
+
+    def on(state: tuple[Array, _Arnoldi]) -> tuple[Array, _Arnoldi]:
+        begun, found = state
+        vector = jnp.where(begun, found.basis[found.step], known)
+        image = operator(vector.reshape(right.shape)).ravel()
+        following = jax.lax.cond(
+            begun,
+            lambda: _extended(image, found),
+            lambda: _begun(flat - image, iterations),
+        )
+        return jnp.array(True), following
+
+    _, last = jax.lax.while_loop(goes_on, on, (begun, start))
+    # Steps that were not taken have ones on the diagonal and nothing on the right.
+    used = jnp.where(jnp.arange(iterations) < last.step, last.right[:-1], 0.0)
+    amounts = jax.scipy.linalg.solve_triangular(last.triangle, used)
+    solution = known + amounts @ last.basis[:-1]
+    residual = jnp.abs(last.right[last.step]) / _safe(scale)
+    return solution.reshape(right.shape), Iterations(last.step + ~begun, residual)
+
+
+def _begun(residual: Array, iterations: int) -> _Arnoldi:
+    """The basis of one vector, along the first residual."""
+    length = jnp.linalg.norm(residual)
+    return _Arnoldi(
+        basis=jnp.zeros((iterations + 1, residual.size)).at[0].set(residual / _safe(length)),
         triangle=jnp.eye(iterations),
         cosine=jnp.ones(iterations),
         sine=jnp.zeros(iterations),
@@ -73,22 +108,13 @@ def _solve(
         step=jnp.array(0),
     )
 
-    def goes_on(state: _Arnoldi) -> Array:
-        return (jnp.abs(state.right[state.step]) > tolerance * scale) & (state.step < iterations)
 
-    last = jax.lax.while_loop(goes_on, lambda state: _extended(applied, state), start)
-    # Steps that were not taken have ones on the diagonal and nothing on the right.
-    used = jnp.where(jnp.arange(iterations) < last.step, last.right[:-1], 0.0)
-    amounts = jax.scipy.linalg.solve_triangular(last.triangle, used)
-    solution = flat + amounts @ last.basis[:-1]
-    residual = jnp.abs(last.right[last.step]) / _safe(scale)
-    return solution.reshape(shape), Iterations(last.step, residual)
+def _extended(image: Array, state: _Arnoldi) -> _Arnoldi:
+    """One more vector of the basis, one more column of the triangle.
 
-
-def _extended(applied: Operator, state: _Arnoldi) -> _Arnoldi:
-    """One more vector of the basis, one more column of the triangle."""
+    **Arguments:** `image`: what the operator gives of the basis's last vector.
+    """
     step, basis = state.step, state.basis
-    image = applied(basis[step])
     column = basis @ image
     image = image - column @ basis
     again = basis @ image
