@@ -116,6 +116,19 @@ def _viscous(ratio: float) -> Work:
     return _waited(compiled, operator, shapes)
 
 
+def _expected(ratio: float) -> Work:
+    """The same from the rates of shapes 1e-3 r0 away, as those of one step before."""
+    train = TRAIN.changed(viscosity_ratio=ratio)
+    operator = train_operator(train, cells=train.cells)
+    shapes = _disturbed()
+    compiled = eqx.filter_jit(lambda *inputs: operator.solved_rates(*inputs))
+    moved = np.random.default_rng(2).normal(size=(*shapes.shape[:2], 1))
+    before, _ = compiled(shapes.at[..., :1].add(1e-3 * moved), None, jnp.zeros_like(shapes))
+    count = int(compiled(shapes, None, before)[1].iterations)
+    print(f"from about the rates: {count} iterations", file=sys.stderr)
+    return _waited(compiled, shapes, None, before)
+
+
 def _dense(close: bool) -> Work:
     """An evaluation of close cells, off the axis, with and without the rule for them."""
     train = TRAIN.changed(packing=0.7)
@@ -139,6 +152,7 @@ STAGES: dict[str, Callable[[], Work]] = {
     "evaluation.near_cells": lambda: _evaluation(_near_cells, _targets, _sources),
     "evaluation.wall_flow": lambda: _evaluation(_wall_flow, _loose_targets, _wall_velocity),
     "viscous": lambda: _viscous(5.0),
+    "viscous.expected": lambda: _expected(5.0),
     "dense.ordinary": lambda: _dense(False),
     "dense.close": lambda: _dense(True),
 }
