@@ -14,6 +14,7 @@ from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
 from celltrain.proximity.overlaps import overlaps
 from celltrain.train import CellsOperator, rates_error, resting_shapes, train_operator
+from celltrain.train.accuracy import _velocity, refined
 
 DEGREE, CELLS = 6, 2
 # All cases share one program: the period, the wall and the grids are the same.
@@ -47,8 +48,10 @@ def velocity_of(operator: CellsOperator, shapes: jax.Array, forces: jax.Array) -
 
 
 @eqx.filter_jit
-def at_points(operator: CellsOperator, points: jax.Array, shapes: jax.Array) -> jax.Array:
-    return operator.velocity_at(points, shapes, operator.rates(shapes))
+def at_points(
+    operator: CellsOperator, points: jax.Array, shapes: jax.Array, motions: jax.Array
+) -> jax.Array:
+    return operator.velocity_at(points, shapes, motions)
 
 
 @pytest.fixture(scope="module")
@@ -120,11 +123,12 @@ def test_estimate_bounds_the_effect_of_each_rule() -> None:
     estimate = rates_error(train, shapes, wall_gap=GAP)
     assert estimate < 1e-3
 
-    values = np.asarray(sphere_grid(train.degree, 20).values)
+    # By the estimate's own program, and at its points.
+    values = sphere_grid(train.degree, refined(train).sizes.target_order).values
 
     def velocity(**changes: int) -> np.ndarray:
         operator = train_operator(train.changed(**changes), cells=CELLS, wall_gap=GAP)
-        return np.einsum("pk,cik->cpi", values, rates(operator, jnp.asarray(shapes)))
+        return np.asarray(_velocity(operator, values, jnp.asarray(shapes)))
 
     expected = velocity()
     for finer in ({"source_order": 34}, {"target_order": 2 * train.sizes.target_order}):
@@ -190,7 +194,8 @@ def test_flow_up_to_a_membrane(operator: CellsOperator) -> None:
     around = around + step * np.array([1, -1])[:, None, None, None] * np.eye(3)[:, None]
     sides = [surface + distance * normal for distance in (step, -step)]
     points = np.concatenate([*sides, wall, around.reshape(-1, 3)])
-    found = np.asarray(at_points(operator, jnp.asarray(points), shapes))
+    motions = rates(operator, shapes)
+    found = np.asarray(at_points(operator, jnp.asarray(points), shapes, motions))
     assert np.all(np.isfinite(found))
     outside, inside, at_wall = found[: 3 * angle.size].reshape(3, -1, 3)
     assert_allclose(outside, inside, rtol=0, atol=2e-2 * np.abs(outside).max())
