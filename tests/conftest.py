@@ -32,6 +32,8 @@ TYPED = (
 # Half of the time of the programs is their compilation, and half of that LLVM's search for
 # faster ones; that those that users run give the same is a test of its own (`test_train`).
 os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
+# Commands in processes of their own then take what tests have compiled (but see `test_programs`).
+os.environ.setdefault("CELLTRAIN_KEEP_PROGRAMS", "0")
 # As the command line does; what tests compile makes every look for garbage long.
 gc.set_threshold(50_000, 20, 50)
 

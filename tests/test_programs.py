@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,7 @@ def spectrum(pair: Pair, amount: int) -> Pair:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Programs are kept in a folder of the test's own, and JAX keeps none of its own."""
+    """Programs are kept in a folder of the test's own, by JAX, too."""
     kept = tmp_path / "compiled"
     names = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
     before = [getattr(jax.config, name) for name in names]
@@ -44,7 +45,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setattr(environment, "PROGRAMS", str(kept))
     # What this file brings is as good as the package's own.
     monkeypatch.setattr(programs, "_KNOWN", (*programs._KNOWN, Pair.__module__.split(".")[0]))
-    for name, setting in zip(names, (str(kept), float("inf")), strict=True):
+    for name, setting in zip(names, (str(kept), 0.0), strict=True):
         jax.config.update(name, setting)
     compilation_cache.reset_cache()
     traced.clear()
@@ -127,14 +128,24 @@ def test_every_source_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     (package / "flow").mkdir(parents=True)
     (package / "flow" / "near.py").write_text("1")
     monkeypatch.setattr(programs, "__file__", str(package / "programs.py"))
+    monkeypatch.setattr(environment, "STARTED", float("inf"))
     programs._foundation.cache_clear()
     first = programs._foundation()
     (package / "flow" / "near.py").write_text("2")
     programs._foundation.cache_clear()
     assert programs._foundation() != first
+    # What was imported may be older than a source that has changed since.
+    monkeypatch.setattr(environment, "STARTED", 0.0)
+    programs._foundation.cache_clear()
+    assert programs._foundation() is None
+    monkeypatch.setattr(environment, "STARTED", float("inf"))
+    # Nor may anything be kept where sources cannot be read, or are not there.
+    (package / "flow" / "gone.py").symlink_to("nowhere")
+    programs._foundation.cache_clear()
+    assert programs._foundation() is None
+    (package / "flow" / "gone.py").unlink()
     (package / "flow" / "near.py").unlink()
     programs._foundation.cache_clear()
-    # Where sources cannot be read nothing may be kept.
     assert programs._foundation() is None
     monkeypatch.undo()
     programs._foundation.cache_clear()
@@ -148,6 +159,26 @@ def test_damaged_programs_are_made_anew(folder: Path, damage: bytes | None) -> N
     path.write_bytes(whole[:-1] if damage is None else damage)
     assert eqx.tree_equal(Program(spectrum)(pair(), 2), made)
     assert traced == ["some", "some"]
+    # And kept again, though JAX has compiled the same before.
+    assert kept(folder) == [path]
+    assert eqx.tree_equal(Program(spectrum)(pair(), 2), made)
+    assert traced == ["some", "some"]
+
+
+def test_sources_that_change_meanwhile_leave_nothing(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(programs, "_changed_since", lambda: True)
+    Program(spectrum)(pair(), 2)
+    assert kept(folder) == []
+
+
+def test_threads_trace_once(folder: Path) -> None:
+    one = Program(spectrum)
+    with ThreadPoolExecutor(6) as pool:
+        found = list(pool.map(lambda number: one(pair(second=number), 2), np.arange(6.0)))
+    assert traced == ["some"]
+    assert [float(each.second["given"]) for each in found] == list(range(6))
 
 
 def test_arguments_of_classes_of_others_are_not_trusted(
@@ -181,6 +212,10 @@ def test_nothing_is_kept_where_it_is_not_wanted(
     monkeypatch.setattr(environment, "KEEPS_PROGRAMS", False)
     Program(spectrum)(pair(), 2)
     monkeypatch.setattr(environment, "KEEPS_PROGRAMS", True)
+    for name in ("jax_disable_jit", "jax_debug_nans"):
+        jax.config.update(name, True)
+        Program(spectrum)(pair(), 2)
+        jax.config.update(name, False)
     jax.config.update("jax_enable_compilation_cache", False)
     Program(spectrum)(pair(), 3)
     jax.config.update("jax_enable_compilation_cache", True)
@@ -189,15 +224,22 @@ def test_nothing_is_kept_where_it_is_not_wanted(
     assert not list(folder.rglob("*-program"))
 
 
-def test_a_program_that_jax_had_is_not_kept(folder: Path) -> None:
+def test_a_program_that_jax_had_is_not_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """XLA cannot write what it has itself loaded: without its machine code it would fail."""
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+
+    unlink = Path.unlink
+    # As where a process was killed before it removed what JAX keeps of the program.
+    monkeypatch.setattr(Path, "unlink", lambda *_, **__: None)
     Program(spectrum)(pair(), 2)
     (path,) = kept(folder)
-    path.unlink()
-    jax.clear_caches()
+    unlink(path)
+    monkeypatch.setattr(Path, "unlink", unlink)
     Program(spectrum)(pair(), 2)
     assert kept(folder) == []
+    # The next one finds neither.
+    Program(spectrum)(pair(), 2)
+    assert kept(folder) == [path]
+    assert not list(folder.glob("jit_spectrum*"))
 
 
 def test_those_not_used_for_longest_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -217,8 +259,9 @@ def test_those_not_used_for_longest_go(folder: Path, monkeypatch: pytest.MonkeyP
 @pytest.mark.slow
 def test_a_simulation_begins_without_tracing_and_gives_the_same(tmp_path: Path) -> None:
     """Every program of the command, among them compiled loops, transforms and LAPACK's parts."""
-    case = "--diameter 6 --packing 0.2 --cells 1 --degree 6 --amplitude 0.05 --until 0.05"
+    case = "--diameter 6 --packing 0.2 --cells 1 --degree 6 --viscosity-ratio 5 --until 0.05"
     surroundings = os.environ | {"XDG_CACHE_HOME": str(tmp_path), "JAX_LOG_COMPILES": "1"}
+    del surroundings["CELLTRAIN_KEEP_PROGRAMS"]
 
     def simulated() -> tuple[xr.Dataset, str]:
         path = tmp_path / "run.nc"

@@ -11,6 +11,7 @@
 import atexit
 import os
 import sys
+import time
 
 from celltrain.xla_flags import xla_flags
 
@@ -66,6 +67,9 @@ if CACHE is None:
 PROGRAMS = None if CACHE is None else os.path.join(CACHE, "compiled")
 #: Whether whole programs are kept there, so that they need not be traced either (see `programs`).
 KEEPS_PROGRAMS = False
+
+#: When this process came to the package, in seconds since the epoch.
+STARTED = time.time()
 
 #: Environment of a process that computes in one thread, beside others that do the same.
 ONE_THREAD = {

@@ -6,8 +6,9 @@ is found by all that the text follows from: the function and its arguments but f
 arrays, the sources of this package, the versions of the libraries, what the environment says to
 them, and the processor. Where any of it is new, the program is made as ever, and kept.
 
-Only commands keep programs (`environment.KEEPS_PROGRAMS`), on processors: in other processes the
-package's functions may have been replaced, and arguments may be of classes that are the user's.
+Only commands keep programs (`environment.KEEPS_PROGRAMS`; not where `$CELLTRAIN_KEEP_PROGRAMS` is
+0), on one processor: in other processes the package's functions may have been replaced, and
+arguments may be of classes that are the user's.
 """
 
 import hashlib
@@ -15,27 +16,28 @@ import io
 import os
 import pickle
 import platform
+import threading
 import time
 import zlib
 from collections.abc import Callable, Hashable
 from contextlib import suppress
 from functools import cache, update_wrapper
+from glob import escape
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar
 
 import equinox as eqx
 import jax
 import jax_finufft
-import jaxlib
 import numpy as np
 import scipy
 from jax.experimental.serialize_executable import deserialize_and_load, serialize
+from jaxlib import version as jaxlib_version
 from jaxtyping import PyTree
 
 from celltrain import environment
 from celltrain.clock import compilation
 from celltrain.runtime import only_processors, setting
-from celltrain.version import __version__
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
@@ -44,6 +46,8 @@ _Loaded = tuple[Callable[[list[Any]], list[Any]], PyTree]
 
 #: Programs that are kept; those not used for longest go.
 MOST = 200
+#: Age from which a file under way is nobody's.
+LEFT_SECONDS = 3600.0
 # Roots of the modules of which arguments may hold classes and functions.
 _KNOWN = ("celltrain", "builtins", "numpy", "jax", "jaxlib", "equinox", "copyreg")
 # Beginnings of the names of variables that say how programs are to be made.
@@ -60,6 +64,7 @@ class Program(Generic[Arguments, Result]):
         self._function = function
         self._traced: Callable[Arguments, Result] = eqx.filter_jit(function)
         self._loaded: dict[Hashable, _Loaded | None] = {}
+        self._one_at_a_time = threading.Lock()
         update_wrapper(self, function)
 
     def __call__(self, *arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
@@ -70,8 +75,9 @@ class Program(Generic[Arguments, Result]):
         if folder is None or traced:
             return self._traced(*arguments, **named)
         signature = (tree, tuple(_form(each) for each in leaves))
-        if signature not in self._loaded:
-            self._loaded[signature] = self._found(folder, leaves, tree)
+        with self._one_at_a_time:
+            if signature not in self._loaded:
+                self._loaded[signature] = self._found(folder, leaves, tree)
         loaded = self._loaded[signature]
         if loaded is None:
             return self._traced(*arguments, **named)
@@ -98,16 +104,19 @@ class Program(Generic[Arguments, Result]):
             every = [next(given) if eqx.is_array(each) else each for each in leaves]
             arguments, named = tree.unflatten(every)
             parts, structure = jax.tree.flatten(self._function(*arguments, **named))
-            outcome.append(structure.unflatten(range(len(parts))))
+            outcome.append(jax.tree.unflatten(structure, range(len(parts))))
             return parts
 
-        # A name of its own, so that JAX takes it from nothing that was compiled elsewhere: what XLA
-        # has itself loaded cannot be written whole again.
-        over_arrays.__name__ = f"{self._function.__name__}_{__version__.replace('.', '_')}"
+        # A name of its own, so that JAX does not take it from what it keeps itself: what XLA has
+        # loaded cannot be written whole again.
+        over_arrays.__name__ = f"{self._function.__name__}_{key}"
         before = _loads.number
         compiled = jax.jit(over_arrays).lower(arrays).compile()
         if _loads.number == before:
             _keep(path, compiled, outcome[0])
+        for same in folder.glob(f"jit_{escape(over_arrays.__name__)}-*"):
+            with suppress(OSError):
+                same.unlink()
         return compiled, outcome[0]
 
 
@@ -136,7 +145,11 @@ def _folder() -> Path | None:
     known = environment.PROGRAMS
     if known is None or not environment.KEEPS_PROGRAMS or not only_processors():
         return None
-    if not jaxlib.__version__.startswith(_JAXLIB):
+    if not jaxlib_version.__version__.startswith(_JAXLIB):
+        return None
+    # Loaded programs run on one device, and neither step by step nor with JAX looking on.
+    watched = ("jax_disable_jit", "jax_debug_nans", "jax_debug_infs")
+    if jax.device_count() > 1 or any(setting(name) for name in watched):
         return None
     # The user may have given JAX another folder, or none.
     kept = setting("jax_enable_compilation_cache") and setting("jax_compilation_cache_dir")
@@ -169,7 +182,7 @@ def _key(function: Callable[..., Any], forms: PyTree) -> str | None:
     written = io.BytesIO()
     try:
         _Pickler(written).dump((function.__module__, function.__qualname__, forms))
-    except (pickle.PicklingError, TypeError, AttributeError):
+    except Exception:  # whatever of the arguments cannot be written
         return None
     settings = sorted(each for each in os.environ.items() if each[0].startswith(_SETTINGS))
     return _digest(written.getvalue() + foundation + repr(settings).encode()).hex()
@@ -177,20 +190,32 @@ def _key(function: Callable[..., Any], forms: PyTree) -> str | None:
 
 @cache
 def _foundation() -> bytes | None:
-    """What all programs depend on: sources, libraries, the processor; None without sources."""
+    """What all programs depend on: sources, libraries, the processor; None if that is not known."""
     from llvmlite import binding
 
-    libraries = (jax, jaxlib, jax_finufft, eqx, np, scipy)
+    libraries = (jax, jaxlib_version, jax_finufft, eqx, np, scipy)
     versions = [platform.python_version(), *(each.__version__ for each in libraries)]
     processor = [binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()]
     package = Path(__file__).parent
-    sources = [
-        (str(each.relative_to(package)), _digest(each.read_bytes()))
-        for each in sorted(package.rglob("*.py"))
-    ]
-    if not sources:
+    try:
+        sources = [
+            (str(each.relative_to(package)), _digest(each.read_bytes()))
+            for each in sorted(package.rglob("*.py"))
+        ]
+    except OSError:
+        return None
+    if not sources or _changed_since():
         return None
     return _digest(repr((versions, processor, sources)).encode())
+
+
+def _changed_since() -> bool:
+    """Whether a source has changed since it may have been imported."""
+    try:
+        times = [each.stat() for each in Path(__file__).parent.rglob("*.py")]
+    except OSError:
+        return True
+    return any(max(each.st_mtime, each.st_ctime) >= environment.STARTED for each in times)
 
 
 def _digest(content: bytes) -> bytes:
@@ -230,6 +255,8 @@ def _load_lapack() -> None:
 def _keep(path: Path, compiled: jax.stages.Compiled, result: PyTree) -> None:
     """Write a program, and remove those not used for longest; nothing where that cannot be."""
     part = path.with_name(f"{path.name}.{os.getpid()}")
+    if _changed_since():
+        return
     try:
         executable = serialize(compiled)[0]
         packed = zlib.compress(pickle.dumps((executable, result)), level=1)
@@ -242,5 +269,9 @@ def _keep(path: Path, compiled: jax.stages.Compiled, result: PyTree) -> None:
         kept = sorted(path.parent.glob("*-program"), key=lambda each: each.stat().st_mtime)
         for old in kept[:-MOST]:
             old.unlink()
-    except (OSError, ValueError, NotImplementedError, pickle.PicklingError):
+        # What processes that were killed have left.
+        for old in path.parent.glob("*-program.*"):
+            if time.time() - old.stat().st_mtime > LEFT_SECONDS:
+                old.unlink()
+    except Exception:  # whatever goes wrong: it is only not kept
         return

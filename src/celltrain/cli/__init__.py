@@ -24,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # What a command loads and traces stays: to look through it again and again for what does
         # not takes a tenth of the time.
         gc.set_threshold(50_000, 20, 50)
-        environment.KEEPS_PROGRAMS = True
+        environment.KEEPS_PROGRAMS = os.environ.get("CELLTRAIN_KEEP_PROGRAMS", "1") != "0"
         prepare_streams()
         # No window is opened, and Matplotlib ends with an error for a name that it does not know.
         os.environ["MPLBACKEND"] = "agg"

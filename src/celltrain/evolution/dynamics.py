@@ -72,8 +72,8 @@ class Dynamics(eqx.Module):
 
         NaN for shapes that are, and where the repulsion finds membranes crossing.
 
-        **Arguments:** `expected`: about these rates, from which they are found in less time where
-        the flow inside the cells must be solved for.
+        **Arguments:** `expected`: about these rates, from which they are looked for where the flow
+        inside the cells must be solved for; 0 unless given.
         """
         if not np.isfinite(shapes).all():
             return np.full_like(shapes, np.nan)
@@ -86,7 +86,8 @@ class Dynamics(eqx.Module):
         self, shapes: Shapes, forces: Shapes, expected: Shapes | None = None
     ) -> Shapes:
         """The rates with given forces per solid angle (mu U r0) beside those of the membranes."""
-        guess = None if expected is None else expected + self.steady_rates
+        # Of small disturbances the equation's error is small from what is near the steady rates.
+        guess = self.steady_rates if expected is None else expected + self.steady_rates
         return _tube_rates(self.operator, shapes, forces, guess) - self.steady_rates
 
     def tube_rates(self, rates: Shapes) -> Shapes:
@@ -167,11 +168,15 @@ def train_dynamics(
     tube = train_tube(train)
     operator = train_operator(train, cells=train.cells, wall_gap=wall_gap)
     shapes = place_cells(base.coefficients, train, train.cells)
+    steady_rates, no_forces = np.zeros_like(shapes), np.zeros_like(shapes)
+    # From themselves again, or their error would count beside small disturbances.
+    for _ in range(1 if operator.viscosity_ratio is None else 2):
+        steady_rates = _tube_rates(operator, shapes, no_forces, steady_rates)
     return Dynamics(
         operator=operator,
         base=constant(shapes),
         weights=constant(paper_weights(train.degree)),
-        steady_rates=_tube_rates(operator, shapes, np.zeros_like(shapes)),
+        steady_rates=steady_rates,
         cell_velocity=base.cell_velocity,
         volumes=cell_volumes(operator, jnp.asarray(shapes)),
         surroundings=tube,
@@ -189,13 +194,9 @@ def cell_volumes(
     return jax.vmap(operator.membrane.volume)(shapes)
 
 
-def _tube_rates(
-    operator: CellsOperator, shapes: Shapes, forces: Shapes, guess: Shapes | None = None
-) -> Shapes:
+def _tube_rates(operator: CellsOperator, shapes: Shapes, forces: Shapes, guess: Shapes) -> Shapes:
     """Rates relative to the tube."""
-    solved = operator.viscosity_ratio is not None
-    # One program with a guess and without: of zeros.
-    start = jnp.asarray(np.zeros_like(shapes) if guess is None else guess) if solved else None
+    start = None if operator.viscosity_ratio is None else jnp.asarray(guess)
     return np.asarray(_rates(operator, jnp.asarray(shapes), jnp.asarray(forces), start))
 
 

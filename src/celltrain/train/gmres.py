@@ -16,6 +16,10 @@ from jaxtyping import Array, Float, Int
 
 Operator = Callable[[Array], Array]
 
+#: Residual that is left of a guess's own, at most; and the least relative to |b| that is asked for.
+GUESS_TOLERANCE = 1e-4
+ROUNDING = 1e-13
+
 
 class Iterations(eqx.Module):
     """Applications of the operator, and the residual relative to |b|."""
@@ -49,16 +53,29 @@ def gmres(
     none.
 
     **Arguments:** `tolerance`: of the residual relative to |b|; `iterations`: at most; `guess`:
-    one that is 0 counts as none, any other takes one application of its own.
+    one that is 0 counts as none; any other takes one application of its own, and its residual is
+    made smaller by `GUESS_TOLERANCE` at least, or what is known already would be all that is found.
+
+    **Raises:** `TypeError` where a derivative is asked for with a guess.
     """
     if guess is not None:
-        return _solve(operator, right, guess, tolerance, iterations)
+        return _solve(operator, _without_derivative(right), guess, tolerance, iterations)
 
     def solve(matvec: Operator, right: Array) -> tuple[Array, Iterations]:
         return _solve(matvec, right, None, tolerance, iterations)
 
     solution, convergence = jax.lax.custom_linear_solve(operator, right, solve, has_aux=True)
     return solution, jax.lax.stop_gradient(convergence)
+
+
+@jax.custom_jvp
+def _without_derivative(values: Array) -> Array:
+    return values
+
+
+@_without_derivative.defjvp
+def _no_derivative(primals, tangents):  # type: ignore[no-untyped-def]
+    raise TypeError("there is no derivative of a solution that was found from a guess")
 
 
 def _solve(
@@ -71,13 +88,13 @@ def _solve(
     # The operator is large to compile: once, in the loop, which gives a guess's residual first.
     begun = jnp.all(known == 0.0)
 
-    def goes_on(state: tuple[Array, _Arnoldi]) -> Array:
-        begun, found = state
-        long = jnp.abs(found.right[found.step]) > tolerance * scale
+    def goes_on(state: tuple[Array, Array, _Arnoldi]) -> Array:
+        begun, allowed, found = state
+        long = jnp.abs(found.right[found.step]) > allowed
         return ~begun | (long & (found.step < iterations))
 
-    def on(state: tuple[Array, _Arnoldi]) -> tuple[Array, _Arnoldi]:
-        begun, found = state
+    def on(state: tuple[Array, Array, _Arnoldi]) -> tuple[Array, Array, _Arnoldi]:
+        begun, allowed, found = state
         vector = jnp.where(begun, found.basis[found.step], known)
         image = operator(vector.reshape(right.shape)).ravel()
         following = jax.lax.cond(
@@ -85,9 +102,11 @@ def _solve(
             lambda: _extended(image, found),
             lambda: _begun(flat - image, iterations),
         )
-        return jnp.array(True), following
+        closer = jnp.minimum(allowed, GUESS_TOLERANCE * following.right[0])
+        closer = jnp.maximum(closer, ROUNDING * scale)
+        return jnp.array(True), jnp.where(begun, allowed, closer), following
 
-    _, last = jax.lax.while_loop(goes_on, on, (begun, start))
+    _, _, last = jax.lax.while_loop(goes_on, on, (begun, tolerance * scale, start))
     # Steps that were not taken have ones on the diagonal and nothing on the right.
     used = jnp.where(jnp.arange(iterations) < last.step, last.right[:-1], 0.0)
     amounts = jax.scipy.linalg.solve_triangular(last.triangle, used)
