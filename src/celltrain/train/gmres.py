@@ -17,7 +17,7 @@ from jaxtyping import Array, Float, Int
 Operator = Callable[[Array], Array]
 
 #: Residual that is left of a guess's own, at most; and the least relative to |b| that is asked for.
-GUESS_TOLERANCE = 1e-4
+GUESS_TOLERANCE = 1e-3
 ROUNDING = 1e-13
 
 
