@@ -95,7 +95,7 @@ def test_one_program_serves_all_numbers(monkeypatch: pytest.MonkeyPatch) -> None
         which = np.arange(count) % number
         points = np.einsum("pk,pik->pi", values[:count], shapes[which]) + 0.05
         nearest_points(search, points, which, shapes, angles[:count])
-        size = _searched._cached._cache_size()
+        size = _searched._traced._cached._cache_size()
         assert size > 0
         assert before is None or size == before
         before = size
