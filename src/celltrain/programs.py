@@ -24,6 +24,7 @@ from contextlib import suppress
 from functools import cache, update_wrapper
 from glob import escape
 from pathlib import Path
+from types import MethodType
 from typing import Any, Generic, ParamSpec, TypeVar
 
 import equinox as eqx
@@ -84,6 +85,10 @@ class Program(Generic[Arguments, Result]):
         run, result = loaded
         found = run([each for each in leaves if eqx.is_array(each)])
         return jax.tree.map(found.__getitem__, result)
+
+    def __get__(self, instance: object, owner: type | None = None) -> Any:
+        """Bound to an object like any function, for which Sphinx takes what can be bound."""
+        return self if instance is None else MethodType(self, instance)
 
     def _found(self, folder: Path, leaves: list[Any], tree: Any) -> _Loaded | None:
         """The program for such arguments, loaded or made; None if it cannot be kept."""
