@@ -151,12 +151,14 @@ def test_every_source_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     programs._foundation.cache_clear()
 
 
-@pytest.mark.parametrize("damage", [b"", b"x" * 100, None])
-def test_damaged_programs_are_made_anew(folder: Path, damage: bytes | None) -> None:
+@pytest.mark.parametrize("damage", ["", "some text", "cut", "flipped"])
+def test_damaged_programs_are_made_anew(folder: Path, damage: str) -> None:
     made = Program(spectrum)(pair(), 2)
     (path,) = kept(folder)
     whole = path.read_bytes()
-    path.write_bytes(whole[:-1] if damage is None else damage)
+    middle = len(whole) // 2
+    flipped = whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :]
+    path.write_bytes({"cut": whole[:-1], "flipped": flipped}.get(damage, damage.encode()))
     assert eqx.tree_equal(Program(spectrum)(pair(), 2), made)
     assert traced == ["some", "some"]
     # And kept again, though JAX has compiled the same before.
@@ -216,6 +218,14 @@ def test_nothing_is_kept_where_it_is_not_wanted(
         jax.config.update(name, True)
         Program(spectrum)(pair(), 2)
         jax.config.update(name, False)
+    for where, name, other in (
+        (jax, "device_count", lambda: 2),
+        (programs, "only_processors", lambda: False),
+        (programs, "_JAXLIB", "0.9."),
+    ):
+        with monkeypatch.context() as patch:
+            patch.setattr(where, name, other)
+            Program(spectrum)(pair(), 2)
     jax.config.update("jax_enable_compilation_cache", False)
     Program(spectrum)(pair(), 3)
     jax.config.update("jax_enable_compilation_cache", True)
@@ -254,6 +264,16 @@ def test_those_not_used_for_longest_go(folder: Path, monkeypatch: pytest.MonkeyP
     assert first in kept(folder)
     assert len(kept(folder)) == 2
     assert second not in kept(folder)
+
+
+def test_what_killed_processes_left_goes(folder: Path) -> None:
+    folder.mkdir()
+    old, new = (folder / f"rates-{name}-program.123" for name in ("old", "new"))
+    for each in (old, new):
+        each.write_bytes(b"half")
+    os.utime(old, (1, 1))
+    Program(spectrum)(pair(), 2)
+    assert (old.exists(), new.exists()) == (False, True)
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ import math
 import os
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -112,8 +113,12 @@ def test_nothing_is_computed_of_closed_work(closed: bool) -> None:
 
 def test_others_take_part() -> None:
     """In some of many calls, as another thread may come late; none if there is one processor."""
-    seen = any((threads(jnp.arange(3.0)) > 1.0).any() for _ in range(500))
-    assert seen == (len(os.sched_getaffinity(0)) > 1)
+    several = len(os.sched_getaffinity(0)) > 1
+    end, calls, seen = time.monotonic() + 60.0, 0, False
+    # On a machine that does other things as well it may come late very often.
+    while not seen and (calls < 500 or (several and time.monotonic() < end)):
+        seen, calls = bool((threads(jnp.arange(3.0)) > 1.0).any()), calls + 1
+    assert seen == several
 
 
 def test_many_callers_at_once() -> None:

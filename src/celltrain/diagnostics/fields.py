@@ -8,7 +8,7 @@ from celltrain.diagnostics.tension import isotropic_tension
 from celltrain.harmonics import surface_points
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.membrane.energy import Membrane
-from celltrain.programs import program
+from celltrain.programs import Program
 
 
 class SurfaceFields(eqx.Module):
@@ -19,7 +19,7 @@ class SurfaceFields(eqx.Module):
     tension: Float[Array, "cell point"]
 
 
-@program
+@Program
 def surface_fields(
     membrane: Membrane,
     shapes: JaxShapes,

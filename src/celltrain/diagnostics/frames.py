@@ -16,7 +16,7 @@ from celltrain.diagnostics.spectrum import deformation_spectrum
 from celltrain.harmonics.jax_shapes import JaxShape, JaxShapes
 from celltrain.membrane.energy import Membrane
 from celltrain.parameters import CaseError, Train
-from celltrain.programs import program
+from celltrain.programs import Program
 from celltrain.proximity.distances import cell_distance, wall_distance
 from celltrain.surroundings import train_tube
 from celltrain.train import train_membrane
@@ -66,7 +66,7 @@ def _membrane(train: Train) -> Membrane:
     return train_membrane(train)
 
 
-@program
+@Program
 def _measure(
     membrane: Membrane,
     shapes: JaxShapes,

@@ -7,11 +7,11 @@ from jaxtyping import Array, Float
 from celltrain.diagnostics.moments import surface_elements
 from celltrain.harmonics import surface_points
 from celltrain.harmonics.jax_shapes import JaxShapes
-from celltrain.programs import program
+from celltrain.programs import Program
 from celltrain.train import CellsOperator
 
 
-@program
+@Program
 def stresslets(
     operator: CellsOperator, shapes: JaxShapes, forces: JaxShapes, motions: JaxShapes
 ) -> Float[Array, "cell 3 3"]:

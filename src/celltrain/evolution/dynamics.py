@@ -24,7 +24,7 @@ from celltrain.harmonics import (
 from celltrain.laws import MomentBending
 from celltrain.membrane import place_cells
 from celltrain.membrane.geometry import surface_geometry
-from celltrain.programs import program
+from celltrain.programs import Program
 from celltrain.proximity.overlaps import Overlap, overlaps
 from celltrain.runtime import constant
 from celltrain.stability import paper_weights
@@ -186,7 +186,7 @@ def train_dynamics(
     )
 
 
-@program
+@Program
 def cell_volumes(
     operator: CellsOperator, shapes: Float[Array, "cell 3 coefficient"]
 ) -> Float[Array, " cell"]:
@@ -200,12 +200,12 @@ def _tube_rates(operator: CellsOperator, shapes: Shapes, forces: Shapes, guess: 
     return np.asarray(_rates(operator, jnp.asarray(shapes), jnp.asarray(forces), start))
 
 
-@program
+@Program
 def _rates(operator: CellsOperator, shapes: Array, forces: Array, guess: Array | None) -> Array:
     return operator.rates(shapes, forces, guess)
 
 
-@program
+@Program
 def _settle(
     operator: CellsOperator,
     base: Float[Array, "cell 3 coefficient"],

@@ -36,7 +36,7 @@ from celltrain.membrane.density import (
     rest_geometry,
 )
 from celltrain.membrane.geometry import surface_forms, volume
-from celltrain.programs import program
+from celltrain.programs import Program
 from celltrain.runtime import constant
 
 _Law = TypeVar("_Law", ConstitutiveLaw, BendingLaw)
@@ -163,7 +163,7 @@ def make_membrane(
     )
 
 
-@program
+@Program
 def _rest_geometry(tables: HarmonicTables, shape: JaxShape) -> RestGeometry:
     return rest_geometry(surface_forms(tables, shape))
 

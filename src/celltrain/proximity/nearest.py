@@ -28,7 +28,7 @@ from celltrain.compiled.nearest_loop import (
 from celltrain.harmonics import Shapes, degrees_and_orders
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.rotation import PoleRotation, pole_rotation
-from celltrain.programs import program
+from celltrain.programs import Program
 from celltrain.runtime import constant
 
 # Pairs at once; with many more their coefficients leave the cache.
@@ -187,7 +187,7 @@ def nearest_points(
     return angles, distances
 
 
-@program
+@Program
 def _searched(
     search: NearestPointSearch,
     points: Float[Array, "pair 3"],

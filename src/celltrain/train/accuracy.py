@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 from celltrain.harmonics import Shapes
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.parameters import Train
-from celltrain.programs import program
+from celltrain.programs import Program
 from celltrain.train.operator import CellsOperator, train_operator
 
 # Finer in every respect but the degree of the shapes.
@@ -37,7 +37,7 @@ def refined(train: Train) -> Train:
     )
 
 
-@program
+@Program
 def _velocity(
     operator: CellsOperator, values: Float[Array, "point coefficient"], shapes: JaxShapes
 ) -> Float[Array, "cell point 3"]:

@@ -5,7 +5,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.parameters import CaseError
-from celltrain.programs import program
+from celltrain.programs import Program
 from celltrain.steady import Base
 from celltrain.surroundings import train_tube
 from celltrain.train.operator import CellsOperator, train_operator
@@ -14,7 +14,7 @@ from celltrain.train.operator import CellsOperator, train_operator
 ROUNDING = 1e-12
 
 
-@program
+@Program
 def _velocity(operator: CellsOperator, points: Array, shapes: Array) -> Array:
     return operator.velocity_at(points, shapes)
 

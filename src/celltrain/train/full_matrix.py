@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from celltrain.membrane import place_cells
-from celltrain.programs import program
+from celltrain.programs import Program
 from celltrain.proximity.meridian import clearance
 from celltrain.steady import Base
 from celltrain.train.operator import CellsOperator, close_distance, train_operator
@@ -59,7 +59,7 @@ class FiniteDifference(Derivative):
         return _difference_columns(operator, shapes, directions, jnp.asarray(self.step))
 
 
-@program
+@Program
 def _exact_columns(
     operator: CellsOperator, shapes: Array, directions: Array, batch: int
 ) -> Columns:
@@ -70,7 +70,7 @@ def _exact_columns(
     return jax.lax.map(column, directions, batch_size=batch)
 
 
-@program
+@Program
 def _difference_columns(
     operator: CellsOperator, shapes: Array, directions: Array, size: Array
 ) -> Columns:

@@ -45,7 +45,7 @@ HALF_LENGTH = 2.5
 CLOSE_STEPS = 4.2
 # Relative error of the ordinary rule there.
 CLOSE_TOLERANCE = 1e-6
-# Most iterations of GMRES; 14 are the most that any case tried has taken.
+# Most iterations of GMRES; no case tried has taken half of them.
 SOLVER_ITERATIONS = 40
 # Residual of that equation relative to the tolerance of the sums in it.
 SOLVER_TOLERANCE = 0.1

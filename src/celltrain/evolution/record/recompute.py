@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 from celltrain.evolution.dynamics import train_dynamics
 from celltrain.evolution.record.run import Run
 from celltrain.evolution.wall_resolution import LARGEST, SMALLEST, followed
-from celltrain.programs import program
+from celltrain.programs import Program
 from celltrain.train import CellsOperator
 
 #: Called with the number of frames done and that of all.
@@ -57,7 +57,7 @@ def pressure_drops(
     return np.array(found)
 
 
-@program
+@Program
 def _pressure_drop(
     operator: CellsOperator, shapes: Array, film_forces: Array, motions: Array
 ) -> Array:
