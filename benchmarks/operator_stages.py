@@ -22,8 +22,6 @@ from celltrain.train import CellsOperator, resting_shapes, train_operator
 TRAIN = Train(diameter=6, packing=0.2, cells=8, degree=12)
 # Size of the disturbance (r0) that makes the shapes of the train different from each other.
 DISTURBANCE = 0.01
-# What steps expect of rates was wrong by 5e-5 to 5e-2.
-EXPECTED = 0.02
 RATIOS = (0.01, 0.1, 0.5, 2.0, 5.0, 20.0, 100.0, 1000.0)
 
 
@@ -31,12 +29,12 @@ def _waited(compiled: Callable[..., Any], *inputs: Any) -> Work:
     return lambda: jax.block_until_ready(compiled(*inputs))
 
 
-def _disturbed(share: float = 1.0) -> jax.Array:
-    """The steady train, all cells disturbed in lower harmonics, by a share of `DISTURBANCE`."""
+def _disturbed() -> jax.Array:
+    """The steady train, every cell disturbed in its lower harmonics."""
     shapes = place_cells(steady(TRAIN).coefficients, TRAIN, TRAIN.cells)
     random = np.random.default_rng(0)
     low = np.arange(shapes.shape[-1]) < 49
-    return jnp.asarray(shapes + share * DISTURBANCE * random.normal(size=shapes.shape) * low)
+    return jnp.asarray(shapes + DISTURBANCE * random.normal(size=shapes.shape) * low)
 
 
 def _evaluation(part: Callable[..., Any], *prepare: Callable[..., Any]) -> Work:
@@ -118,18 +116,6 @@ def _viscous(ratio: float) -> Work:
     return _waited(compiled, operator, shapes)
 
 
-def _expected(ratio: float) -> Work:
-    """The same from rates that are wrong by a part of `EXPECTED` of those of the disturbance."""
-    train = TRAIN.changed(viscosity_ratio=ratio)
-    operator = train_operator(train, cells=train.cells)
-    shapes = _disturbed()
-    compiled = eqx.filter_jit(lambda *inputs: operator.solved_rates(*inputs))
-    expected, _ = compiled(_disturbed(1.0 + EXPECTED), None, jnp.zeros_like(shapes))
-    count = int(compiled(shapes, None, expected)[1].iterations)
-    print(f"from about the rates: {count} iterations", file=sys.stderr)
-    return _waited(compiled, shapes, None, expected)
-
-
 def _dense(close: bool) -> Work:
     """An evaluation of close cells, off the axis, with and without the rule for them."""
     train = TRAIN.changed(packing=0.7)
@@ -153,7 +139,6 @@ STAGES: dict[str, Callable[[], Work]] = {
     "evaluation.near_cells": lambda: _evaluation(_near_cells, _targets, _sources),
     "evaluation.wall_flow": lambda: _evaluation(_wall_flow, _loose_targets, _wall_velocity),
     "viscous": lambda: _viscous(5.0),
-    "viscous.expected": lambda: _expected(5.0),
     "dense.ordinary": lambda: _dense(False),
     "dense.close": lambda: _dense(True),
 }

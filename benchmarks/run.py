@@ -115,7 +115,6 @@ CASES = (
     _operator("evaluation.near_cells", "  near sum on the cells", 7, "0.001"),
     _operator("evaluation.wall_flow", "  flow from the wall", 7, "0.026"),
     _operator("viscous", "the same at viscosity ratio 5", 5, "1.2", 1.0),
-    _operator("viscous.expected", "  from about the rates, as in a step", 5, "1.2", 0.5),
     _operator("dense.ordinary", "packing 0.7, off the axis, no close rule", 5, "0.17"),
     _operator("dense.close", "  with it", 5, "0.16"),
     _map("map", "celltrain paper fig6: 77 trains, degree 12", 60.0, "174 min"),

@@ -266,11 +266,9 @@ def test_reasons_to_stop(single, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
     rates, left = Dynamics.rates, [30]
 
-    def broken(
-        self: Dynamics, shapes: np.ndarray, expected: np.ndarray | None = None
-    ) -> np.ndarray:
+    def broken(self: Dynamics, shapes: np.ndarray) -> np.ndarray:
         left[0] -= 1
-        return rates(self, shapes, expected) if left[0] > 0 else np.full_like(shapes, np.nan)
+        return rates(self, shapes) if left[0] > 0 else np.full_like(shapes, np.nan)
 
     monkeypatch.setattr(Dynamics, "rates", broken)
     for method in (Automatic(), RungeKuttaChebyshev(), ForwardEuler(0.01)):

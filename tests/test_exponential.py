@@ -16,7 +16,6 @@ from celltrain.evolution import (
     CellsInFlow,
     ExponentialAdams,
     FastestAtFirst,
-    ForwardEuler,
     Leading,
     RandomDisplacement,
     Repulsion,
@@ -155,48 +154,6 @@ def test_order_of_the_method_on_a_train(
     assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 3.0, atol=0.5)
 
 
-class Watched:
-    """Dynamics, and by how much rates differ from those expected, relative to them."""
-
-    def __init__(self, dynamics: Dynamics) -> None:
-        self.dynamics = dynamics
-        self.differences: list[float] = []
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.dynamics, name)
-
-    def rates(self, shapes: np.ndarray, expected: np.ndarray | None = None) -> np.ndarray:
-        return self.seen(self.dynamics.rates(shapes), expected)
-
-    def state(self, time: float, shapes: np.ndarray, expected: np.ndarray | None = None) -> State:
-        found = self.dynamics.state(time, shapes)
-        self.seen(found.rates, expected)
-        return found
-
-    def seen(self, rates: np.ndarray, expected: np.ndarray | None) -> np.ndarray:
-        assert expected is not None
-        self.differences.append(float(np.linalg.norm(expected - rates) / np.linalg.norm(rates)))
-        return rates
-
-
-@pytest.mark.parametrize("method", [ExponentialAdams(), RungeKuttaChebyshev(), ForwardEuler()])
-def test_rates_are_about_what_is_expected(
-    method: Any, displaced_cell: tuple[Dynamics, State, Shapes]
-) -> None:
-    """From there the flow inside cells is found in fewer iterations."""
-    watched: Any = Watched(displaced_cell[0])
-    state = displaced_cell[1]
-    memory = method.begin(state)
-    for _ in range(5):
-        step = method.advance(watched, state, memory)
-        state, memory = step.state, step.memory
-    assert len(watched.differences) >= 5
-    # In the frame of the train, in which they are small.
-    assert max(watched.differences) < 0.1
-    if isinstance(method, ExponentialAdams):
-        assert max(watched.differences[1::2]) < 0.01
-
-
 class NoLinearPart(LinearPart):
     """L = 0, of which the functions are 1, 1/2 and 1/6."""
 
@@ -222,12 +179,12 @@ class Clock:
     def __init__(self, like: State, base: Base) -> None:
         self.like, self.linear_part = like, NoLinearPart(base)
 
-    def rates(self, shapes: np.ndarray, expected: np.ndarray | None = None) -> np.ndarray:
+    def rates(self, shapes: np.ndarray) -> np.ndarray:
         rates = np.zeros_like(shapes)
         rates[0, 0, 0], rates[0, 0, 1] = 1.0, shapes[0, 0, 0] ** 2
         return rates
 
-    def state(self, time: float, shapes: np.ndarray, expected: np.ndarray | None = None) -> State:
+    def state(self, time: float, shapes: np.ndarray) -> State:
         return replace(self.like, time=time, shapes=shapes, rates=self.rates(shapes))
 
     def continuous(self, shapes: np.ndarray, laps: np.ndarray) -> np.ndarray:

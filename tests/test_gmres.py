@@ -3,7 +3,6 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
 from celltrain.train.gmres import gmres
@@ -60,48 +59,11 @@ def test_exact_at_once() -> None:
     assert convergence.iterations == 0
 
 
-def test_a_guess_saves_iterations() -> None:
-    matrix, right = problem()
-    exact = np.linalg.solve(matrix, right)
-
-    def solve(guess: np.ndarray | None):
-        given = None if guess is None else jnp.asarray(guess)
-        operator = jnp.asarray(matrix).__matmul__
-        rules = {"tolerance": 1e-8, "iterations": 40}
-        solution, convergence = gmres(operator, jnp.asarray(right), **rules, guess=given)
-        residual = np.linalg.norm(matrix @ solution - right) / np.linalg.norm(right)
-        assert residual < 1e-8
-        assert_allclose(convergence.residual, residual, rtol=1e-2, atol=1e-12)
-        return np.asarray(solution), int(convergence.iterations)
-
-    solution, none = solve(None)
-    for zeros in (0.0 * right, -0.0 * right):
-        again, count = solve(zeros)
-        assert count == none
-        assert_allclose(again, solution, rtol=0, atol=1e-15)
-    away = np.random.default_rng(2).normal(size=exact.size)
-    counts = [solve(exact + size * away)[1] for size in (1e-2, 1e-3, 1e-4, 0.0)]
-    assert none > counts[0] > counts[1] > counts[2] > counts[3] == 1
-    # What is good enough already is made better all the same: small changes count.
-    near = solve(exact + 1e-9 * away)[0]
-    assert np.abs(near - exact).max() < 1e-11
-
-
-def test_a_guess_has_no_derivative() -> None:
-    def solved(right: jax.Array) -> jax.Array:
-        rules = {"tolerance": 1e-8, "iterations": 4}
-        return gmres(lambda x: 2 * x, right, **rules, guess=jnp.ones(3))[0]
-
-    with pytest.raises(TypeError, match="no derivative"):
-        jax.jvp(solved, (jnp.ones(3),), (jnp.ones(3),))
-
-
 def test_nothing_is_tried_with_what_is_not_finite() -> None:
     right = jnp.ones(5).at[3].set(jnp.nan)
-    for guess in (None, jnp.ones(5), right):
-        _, found = gmres(lambda x: 2 * x, right, tolerance=1e-8, iterations=40, guess=guess)
-        assert int(found.iterations) <= 1
-        assert np.isnan(found.residual)
+    _, found = gmres(lambda x: 2 * x, right, tolerance=1e-8, iterations=40)
+    assert int(found.iterations) == 0
+    assert np.isnan(found.residual)
 
 
 def test_derivative_is_implicit() -> None:

@@ -67,28 +67,21 @@ class Dynamics(eqx.Module):
     wall_gap: float = eqx.field(static=True)
     linear_part: LinearPart | None = eqx.field(static=True, default=None)
 
-    def rates(self, shapes: Shapes, expected: Shapes | None = None) -> Shapes:
+    def rates(self, shapes: Shapes) -> Shapes:
         """ds/dt in the frame of the steady train, in U.
 
         NaN for shapes that are, and where the repulsion finds membranes crossing.
-
-        **Arguments:** `expected`: about these rates, from which they are looked for where the flow
-        inside the cells must be solved for; 0 unless given.
         """
         if not np.isfinite(shapes).all():
             return np.full_like(shapes, np.nan)
         films = self.film_forces(shapes)
         if films.gap <= 0.0:
             return films.forces
-        return self.forced_rates(shapes, films.forces, expected)
+        return self.forced_rates(shapes, films.forces)
 
-    def forced_rates(
-        self, shapes: Shapes, forces: Shapes, expected: Shapes | None = None
-    ) -> Shapes:
+    def forced_rates(self, shapes: Shapes, forces: Shapes) -> Shapes:
         """The rates with given forces per solid angle (mu U r0) beside those of the membranes."""
-        # Of small disturbances the equation's error is small from what is near the steady rates.
-        guess = self.steady_rates if expected is None else expected + self.steady_rates
-        return _tube_rates(self.operator, shapes, forces, guess) - self.steady_rates
+        return _tube_rates(self.operator, shapes, forces) - self.steady_rates
 
     def tube_rates(self, rates: Shapes) -> Shapes:
         """The same rates relative to the tube."""
@@ -126,15 +119,13 @@ class Dynamics(eqx.Module):
         )
         return Settled(settled, np.asarray(found.laps), measures)
 
-    def state(self, time: float, shapes: Shapes, expected: Shapes | None = None) -> State:
+    def state(self, time: float, shapes: Shapes) -> State:
         """The state of a train with the given (continuous) shapes at a time.
 
         Its rates are NaN where those of `rates` are.
-
-        **Arguments:** `expected`: as for `rates`.
         """
         settled = self.settle(shapes)
-        rates = self.rates(settled.shapes, expected)
+        rates = self.rates(settled.shapes)
         return State(**vars(settled), time=time, rates=rates, wall_gap=self.wall_gap)
 
     def displacement(self, change: Shapes) -> float:
@@ -168,15 +159,11 @@ def train_dynamics(
     tube = train_tube(train)
     operator = train_operator(train, cells=train.cells, wall_gap=wall_gap)
     shapes = place_cells(base.coefficients, train, train.cells)
-    steady_rates, no_forces = np.zeros_like(shapes), np.zeros_like(shapes)
-    # From themselves again, or their error would count beside small disturbances.
-    for _ in range(1 if operator.viscosity_ratio is None else 2):
-        steady_rates = _tube_rates(operator, shapes, no_forces, steady_rates)
     return Dynamics(
         operator=operator,
         base=constant(shapes),
         weights=constant(paper_weights(train.degree)),
-        steady_rates=steady_rates,
+        steady_rates=_tube_rates(operator, shapes, np.zeros_like(shapes)),
         cell_velocity=base.cell_velocity,
         volumes=cell_volumes(operator, jnp.asarray(shapes)),
         surroundings=tube,
@@ -194,15 +181,14 @@ def cell_volumes(
     return jax.vmap(operator.membrane.volume)(shapes)
 
 
-def _tube_rates(operator: CellsOperator, shapes: Shapes, forces: Shapes, guess: Shapes) -> Shapes:
+def _tube_rates(operator: CellsOperator, shapes: Shapes, forces: Shapes) -> Shapes:
     """Rates relative to the tube."""
-    start = None if operator.viscosity_ratio is None else jnp.asarray(guess)
-    return np.asarray(_rates(operator, jnp.asarray(shapes), jnp.asarray(forces), start))
+    return np.asarray(_rates(operator, jnp.asarray(shapes), jnp.asarray(forces)))
 
 
 @Program
-def _rates(operator: CellsOperator, shapes: Array, forces: Array, guess: Array | None) -> Array:
-    return operator.rates(shapes, forces, guess)
+def _rates(operator: CellsOperator, shapes: Array, forces: Array) -> Array:
+    return operator.rates(shapes, forces)
 
 
 @Program

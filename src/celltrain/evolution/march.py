@@ -183,9 +183,7 @@ class March:
         every, until, dynamics = self._run.every, self._run.until, self._dynamics
         times = due_times(self._last_time(), step.state.time, every=every, until=until)
         return [
-            self._frame(
-                dynamics.state(at, shapes_within(dynamics, state, step, at), step.state.rates)
-            )
+            self._frame(dynamics.state(at, shapes_within(dynamics, state, step, at)))
             for at in times
         ]
 

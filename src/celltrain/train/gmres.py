@@ -16,10 +16,6 @@ from jaxtyping import Array, Float, Int
 
 Operator = Callable[[Array], Array]
 
-#: Residual that is left of a guess's own, at most; and the least relative to |b| that is asked for.
-GUESS_TOLERANCE = 1e-3
-ROUNDING = 1e-13
-
 
 class Iterations(eqx.Module):
     """Applications of the operator, and the residual relative to |b|."""
@@ -40,92 +36,54 @@ class _Arnoldi(eqx.Module):
 
 
 def gmres(
-    operator: Operator,
-    right: Float[Array, "..."],
-    *,
-    tolerance: float,
-    iterations: int,
-    guess: Float[Array, "..."] | None = None,
+    operator: Operator, right: Float[Array, "..."], *, tolerance: float, iterations: int
 ) -> tuple[Float[Array, "..."], Iterations]:
-    """Solution x of A x = b, starting from 0 or from a guess.
+    """Solution x of A x = b, starting from 0.
 
-    Derivatives (forward) solve the same equation for other right sides; with a guess there are
-    none.
+    Two right sides that differ little have solutions whose errors do too: a simulation's rates are
+    such a difference.
 
-    **Arguments:** `tolerance`: of the residual relative to |b|; `iterations`: at most; `guess`:
-    one that is 0 counts as none; any other takes one application of its own, and its residual is
-    made smaller by `GUESS_TOLERANCE` at least, or what is known already would be all that is found.
+    Derivatives (forward) solve the same equation for other right sides.
 
-    **Raises:** `TypeError` where a derivative is asked for with a guess.
+    **Arguments:** `tolerance`: of the residual relative to |b|; `iterations`: at most.
     """
-    if guess is not None:
-        return _solve(operator, _without_derivative(right), guess, tolerance, iterations)
 
     def solve(matvec: Operator, right: Array) -> tuple[Array, Iterations]:
-        return _solve(matvec, right, None, tolerance, iterations)
+        return _solve(matvec, right, tolerance, iterations)
 
     solution, convergence = jax.lax.custom_linear_solve(operator, right, solve, has_aux=True)
     return solution, jax.lax.stop_gradient(convergence)
 
 
-@jax.custom_jvp
-def _without_derivative(values: Array) -> Array:
-    return values
-
-
-@_without_derivative.defjvp
-def _no_derivative(primals, tangents):  # type: ignore[no-untyped-def]
-    raise TypeError("there is no derivative of a solution that was found from a guess")
-
-
 def _solve(
-    operator: Operator, right: Array, guess: Array | None, tolerance: float, iterations: int
+    operator: Operator, right: Array, tolerance: float, iterations: int
 ) -> tuple[Array, Iterations]:
     flat = right.ravel()
     scale = jnp.linalg.norm(flat)
-    start = _begun(flat, iterations)
-    known = jnp.zeros_like(flat) if guess is None else guess.ravel()
-    # The operator is large to compile: once, in the loop, which gives a guess's residual first.
-    begun = jnp.all(known == 0.0)
-
-    def goes_on(state: tuple[Array, Array, _Arnoldi]) -> Array:
-        begun, allowed, found = state
-        long = jnp.abs(found.right[found.step]) > allowed
-        return ~begun | (long & (found.step < iterations))
-
-    def on(state: tuple[Array, Array, _Arnoldi]) -> tuple[Array, Array, _Arnoldi]:
-        begun, allowed, found = state
-        vector = jnp.where(begun, found.basis[found.step], known)
-        image = operator(vector.reshape(right.shape)).ravel()
-        following = jax.lax.cond(
-            begun,
-            lambda: _extended(image, found),
-            lambda: _begun(flat - image, iterations),
-        )
-        closer = jnp.minimum(allowed, GUESS_TOLERANCE * following.right[0])
-        closer = jnp.maximum(closer, ROUNDING * scale)
-        return jnp.array(True), jnp.where(begun, allowed, closer), following
-
-    _, _, last = jax.lax.while_loop(goes_on, on, (begun, tolerance * scale, start))
-    # Steps that were not taken have ones on the diagonal and nothing on the right.
-    used = jnp.where(jnp.arange(iterations) < last.step, last.right[:-1], 0.0)
-    amounts = jax.scipy.linalg.solve_triangular(last.triangle, used)
-    solution = known + amounts @ last.basis[:-1]
-    residual = jnp.abs(last.right[last.step]) / _safe(scale)
-    return solution.reshape(right.shape), Iterations(last.step + ~begun, residual)
-
-
-def _begun(residual: Array, iterations: int) -> _Arnoldi:
-    """The basis of one vector, along the first residual."""
-    length = jnp.linalg.norm(residual)
-    return _Arnoldi(
-        basis=jnp.zeros((iterations + 1, residual.size)).at[0].set(residual / _safe(length)),
+    start = _Arnoldi(
+        basis=jnp.zeros((iterations + 1, flat.size)).at[0].set(flat / _safe(scale)),
         triangle=jnp.eye(iterations),
         cosine=jnp.ones(iterations),
         sine=jnp.zeros(iterations),
-        right=jnp.zeros(iterations + 1).at[0].set(length),
+        right=jnp.zeros(iterations + 1).at[0].set(scale),
         step=jnp.array(0),
     )
+
+    def goes_on(state: _Arnoldi) -> Array:
+        return (jnp.abs(state.right[state.step]) > tolerance * scale) & (state.step < iterations)
+
+    def on(state: _Arnoldi) -> _Arnoldi:
+        # The operator is large to compile: it is here alone.
+        image = operator(state.basis[state.step].reshape(right.shape))
+        return _extended(image.ravel(), state)
+
+    last = jax.lax.while_loop(goes_on, on, start)
+    # Steps that were not taken have ones on the diagonal and nothing on the right.
+    used = jnp.where(jnp.arange(iterations) < last.step, last.right[:-1], 0.0)
+    amounts = jax.scipy.linalg.solve_triangular(last.triangle, used)
+    solution = amounts @ last.basis[:-1]
+    residual = jnp.abs(last.right[last.step]) / _safe(scale)
+    return solution.reshape(right.shape), Iterations(last.step, residual)
 
 
 def _extended(image: Array, state: _Arnoldi) -> _Arnoldi:

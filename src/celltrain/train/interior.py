@@ -84,12 +84,11 @@ class InteriorFlow(eqx.Module):
         *,
         tolerance: float,
         iterations: int,
-        guess: Motions | None = None,
     ) -> tuple[Motions, Iterations]:
         """The motion u for the given b.
 
         **Arguments:** `tolerance`: of the residual of the preconditioned equation, which is about
-        the error of u, relative to u; `iterations`: at most; `guess`: of u, as for `gmres`.
+        the error of u, relative to u; `iterations`: at most.
         """
         factors = jax.vmap(jax.scipy.linalg.lu_factor)(self.own_equation(ratio))
 
@@ -102,7 +101,7 @@ class InteriorFlow(eqx.Module):
             return preconditioned(flow)
 
         right = preconditioned(free_rates)
-        return gmres(equation, right, tolerance=tolerance, iterations=iterations, guess=guess)
+        return gmres(equation, right, tolerance=tolerance, iterations=iterations)
 
 
 def _by_cell(matrices: Array, motions: Array) -> Array:

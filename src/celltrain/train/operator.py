@@ -67,27 +67,15 @@ class CellsOperator(eqx.Module):
     viscosity_ratio: Float[Array, ""] | None
     solver_tolerance: float = eqx.field(static=True)
 
-    def rates(
-        self,
-        shapes: JaxShapes,
-        added: JaxShapes | None = None,
-        guess: JaxShapes | None = None,
-    ) -> JaxShapes:
+    def rates(self, shapes: JaxShapes, added: JaxShapes | None = None) -> JaxShapes:
         """v(s) = ds/dt, in U; NaN if the flow inside the cells could not be solved for.
 
-        **Arguments:**
-
-        - `added`: forces per solid angle beside those of the membranes, in mu U r0.
-        - `guess`: of the rates, for which the equation for the flow inside the cells, if there is
-          one, takes fewer iterations; 0 counts as none, and derivatives are given without one.
+        **Arguments:** `added`: forces per solid angle beside those of the membranes, in mu U r0.
         """
-        return self.solved_rates(shapes, added, guess)[0]
+        return self.solved_rates(shapes, added)[0]
 
     def solved_rates(
-        self,
-        shapes: JaxShapes,
-        added: JaxShapes | None = None,
-        guess: JaxShapes | None = None,
+        self, shapes: JaxShapes, added: JaxShapes | None = None
     ) -> tuple[JaxShapes, Iterations | None]:
         """The rates, and how the equation for the flow inside the cells was solved, if there is."""
         free_rates = self.free_rates(shapes, added)
@@ -99,7 +87,6 @@ class CellsOperator(eqx.Module):
             free_rates,
             tolerance=self.solver_tolerance,
             iterations=SOLVER_ITERATIONS,
-            guess=guess,
         )
         solved = convergence.residual <= 10.0 * self.solver_tolerance
         return jnp.where(solved, rates, jnp.nan), convergence

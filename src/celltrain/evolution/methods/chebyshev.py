@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 Vector = Float[np.ndarray, "..."]
-Rates = Callable[[Vector, Vector], Vector]
+Rates = Callable[[Vector], Vector]
 
 # Damping of the Chebyshev polynomials: a strip about the real axis belongs to the stable region.
 DAMPING = 2.0 / 13.0
@@ -72,23 +72,15 @@ def chebyshev_stages(stages: int) -> tuple[float, list[Stage]]:
     return b[1] * w1, found
 
 
-def chebyshev_step(
-    rates: Rates, start: Vector, first: Vector, step: float, stages: int
-) -> tuple[Vector, Vector]:
-    """y(t + h) of dy/dt = f(y) from y(t) = `start`, where f = `first`; s - 1 evaluations of f.
-
-    Also the last of them.
-
-    **Arguments:** `rates`: f(y) from y, and from about what it is.
-    """
+def chebyshev_step(rates: Rates, start: Vector, first: Vector, step: float, stages: int) -> Vector:
+    """y(t + h) of dy/dt = f(y) from y(t) = `start`, where f = `first`; s - 1 evaluations of f."""
     entry, others = chebyshev_stages(stages)
-    before, here, known = start, start + step * entry * first, first
+    before, here = start, start + step * entry * first
     for stage in others:
-        known = rates(here, known)
-        along = stage.rate * known + stage.first_rate * first
+        along = stage.rate * rates(here) + stage.first_rate * first
         rest = 1.0 - stage.mu - stage.nu
         before, here = here, stage.mu * here + stage.nu * before + rest * start + step * along
-    return here, known
+    return here
 
 
 def embedded_error(start: Vector, first: Vector, end: Vector, last: Vector, step: float) -> Vector:

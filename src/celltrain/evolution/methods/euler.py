@@ -43,7 +43,7 @@ class ForwardEuler(Integrator[EulerMemory]):
         moved = state.shapes + self.step * state.rates
         # By multiplication: a sum of many steps would drift.
         time = (memory.steps + 1) * self.step
-        after = dynamics.state(time, dynamics.continuous(moved, state.laps), state.rates)
+        after = dynamics.state(time, dynamics.continuous(moved, state.laps))
         if after.measures.gap <= 0.0:
             raise StepFailed("overlap", f"after a step of {self.step:g} r0/U membranes cross")
         if not np.isfinite(after.rates).all():

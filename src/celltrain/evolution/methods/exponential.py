@@ -105,10 +105,9 @@ class ExponentialAdams(Integrator[ExponentialMemory]):
             straight = step * linear.phi_1(level, turns, state.rates)
             expected = _expected(linear, turns, state, memory, step)
             change = straight + step * linear.phi_2(level, turns, expected)
-            predicted = state.rates + linear.applied(turns, change)
-            rates = dynamics.rates(state.shapes + change, predicted + expected)
+            rates = dynamics.rates(state.shapes + change)
             work += Work(evaluations=1)
-            rest = rates - predicted
+            rest = rates - state.rates - linear.applied(turns, change)
             change = straight + step * linear.phi_2(level, turns, rest)
             if memory.last_step == 0.0:
                 error = dynamics.displacement(change - straight)
@@ -121,8 +120,7 @@ class ExponentialAdams(Integrator[ExponentialMemory]):
             relative = error / allowed
             if relative <= 1.0:
                 moved = dynamics.continuous(state.shapes + change, state.laps)
-                corrected = state.rates + linear.applied(turns, change) + rest
-                after = dynamics.state(state.time + step, moved, corrected)
+                after = dynamics.state(state.time + step, moved)
                 work += Work(evaluations=1)
                 finite = bool(np.isfinite(after.rates).all())
                 end = relative if finite else np.nan

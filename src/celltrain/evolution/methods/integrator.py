@@ -70,14 +70,14 @@ class CellDynamics(Protocol):
     def linear_part(self) -> LinearPart | None:
         """The linear dynamics about the steady train, None where there is none."""
 
-    def rates(self, shapes: Shapes, expected: Shapes | None = None) -> Shapes:
-        """ds/dt of shapes within one period, in U; found in less time from about what it is."""
+    def rates(self, shapes: Shapes) -> Shapes:
+        """ds/dt of shapes within one period, in U."""
 
     def continuous(self, shapes: Shapes, laps: Int[np.ndarray, " cell"]) -> Shapes:
         """Shapes where the cells have really gone, not put back by periods."""
 
-    def state(self, time: float, shapes: Shapes, expected: Shapes | None = None) -> State:
-        """The state with the given (continuous) shapes at a time; `expected`: about its rates."""
+    def state(self, time: float, shapes: Shapes) -> State:
+        """The state with the given (continuous) shapes at a time."""
 
     def displacement(self, change: Shapes) -> float:
         """Largest displacement of a membrane's point by a change of the shapes, in r0."""

@@ -25,7 +25,7 @@ class SpectralRadius:
 
 
 def spectral_radius(
-    rates: Callable[[Vector, Vector], Vector],
+    rates: Callable[[Vector], Vector],
     at: Vector,
     rate: Vector,
     direction: Vector,
@@ -34,13 +34,11 @@ def spectral_radius(
 
     The iteration ends when the estimate changes by less than 1 %. The estimate grows towards the
     radius from below; whoever needs a bound adds a margin.
-
-    **Arguments:** `rates`: f(y) from y, and from about what it is.
     """
     direction = direction / np.linalg.norm(direction)
     estimate = 0.0
     for iteration in range(1, ITERATIONS + 1):
-        change = (rates(at + DISTURBANCE * direction, rate) - rate) / DISTURBANCE
+        change = (rates(at + DISTURBANCE * direction) - rate) / DISTURBANCE
         previous, estimate = estimate, float(np.linalg.norm(change))
         if not (np.isfinite(estimate) and estimate > 0.0):
             break

@@ -104,9 +104,8 @@ class RungeKuttaChebyshev(Integrator[ChebyshevMemory]):
             longest = largest_stable_step(self.most_stages, memory.radius)
             step = min(memory.step, self.largest_step, longest)
             stages = stage_count(step, memory.radius)
-            moved, last = chebyshev_step(dynamics.rates, state.shapes, state.rates, step, stages)
-            moved = dynamics.continuous(moved, state.laps)
-            after = dynamics.state(state.time + step, moved, last)
+            moved = chebyshev_step(dynamics.rates, state.shapes, state.rates, step, stages)
+            after = dynamics.state(state.time + step, dynamics.continuous(moved, state.laps))
             end = dynamics.continuous(after.shapes, after.laps)
             error = dynamics.displacement(
                 embedded_error(begin, state.rates, end, after.rates, step)
