@@ -15,6 +15,7 @@ from celltrain.compiled import nearest_on_host
 from celltrain.compiled.near_loops import near_parts
 from celltrain.compiled.nearest_loop import _FUNCTIONS, _arranged, _factors, _jet
 from celltrain.flow import own_surface_rule
+from celltrain.flow.close import LevelledPairs, _force_formula, close_rule, force_velocity
 from celltrain.flow.force_sums import _formula, force_sums
 from celltrain.flow.near import NearPairs, _pair_sums_formula, block_sum, pair_sums
 from celltrain.flow.own_surface import (
@@ -159,6 +160,33 @@ def test_own_double_layer(degree: int, azimuthal: int, radial: int) -> None:
         assert found.shape == expected.shape
         assert np.abs(expected).max() > 0.1
         assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("degree", "azimuthal", "radial"), [(3, 7, 4), (5, 6, 5), (8, 9, 6)])
+@pytest.mark.parametrize("counts", [(0, 17, 0, 3, 16), (1, 0, 0, 0, 40), (0, 0, 0, 0, 0)])
+def test_close_forces(degree: int, azimuthal: int, radial: int, counts: tuple[int, ...]) -> None:
+    """Levels without pairs, with some and with whole chunks of them; others are not valid."""
+    random = np.random.default_rng(10)
+    rule = close_rule(degree, parameter=XI, farthest=16e-4, radial=radial, azimuthal=azimuthal)
+    assert len(counts) == rule.levels.size
+    valid, pairs = sum(counts), sum(counts) + 4
+    order = random.permutation(pairs)
+    theta = random.uniform(0.0, np.pi, pairs)
+    theta[:3] = 0.0, np.pi, 1e-9
+    levelled = LevelledPairs(
+        cells=jnp.asarray(random.integers(0, 3, pairs)),
+        poles=jnp.asarray(np.stack([theta, random.uniform(-4.0, 4.0, pairs)], axis=-1)),
+        valid=jnp.asarray(np.isin(np.arange(pairs), order[:valid])),
+        order=jnp.asarray(order),
+        bounds=jnp.asarray(np.cumsum([0, *counts])),
+    )
+    points = random.normal(size=(pairs, 3))
+    points[order[valid:]] = np.nan
+    shapes, forces = (jnp.asarray(random.normal(size=(3, 3, degree**2))) for _ in range(2))
+    given = rule, levelled, jnp.asarray(points), shapes, forces
+    found, expected = jax.jit(force_velocity)(*given), jax.jit(_force_formula)(*given)
+    assert (np.asarray(expected) != 0.0).all(axis=1).sum() == valid
+    assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
 def test_derivatives_on_the_own_surface() -> None:

@@ -4,8 +4,6 @@ Harmonics at the nodes about the targets (see `polar_lanes`), and the sums over 
 sum of the formula in `flow.own_surface`.
 """
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 
@@ -16,10 +14,11 @@ from celltrain.compiled.call_frame import (
     result,
     sizes,
 )
-from celltrain.compiled.kernels import squared, stokeslet, stokeslet_scalars
-from celltrain.compiled.near_loops import FAST, near_parts
 from celltrain.compiled.polar_lanes import (
+    FORCE_CHANNELS,
+    FORCE_TARGETS,
     LANES,
+    add_forces,
     arrange_tables,
     pair_weights,
     parts_at_azimuths,
@@ -33,44 +32,6 @@ from celltrain.compiled.shared_work import computed, next_part, shared, task, ta
 OWN_FORCES = "celltrain_own_forces"
 
 _ARGUMENTS = (FLOATS,) * 8
-# Components of shape and force, and targets at a time.
-_CHANNELS = 6
-_TARGETS = LANES // _CHANNELS
-
-
-@njit(fastmath=FAST, inline="always", error_model="numpy")
-def _node(values: Any, sign: float, points: Any, i: int, xi: float) -> Any:
-    """Velocity at target i by one node, of which `values` are the parts, [side, lane]."""
-    d = (
-        points[0, i] - (values[0, i] + sign * values[1, i]),
-        points[1, i] - (values[0, _TARGETS + i] + sign * values[1, _TARGETS + i]),
-        points[2, i] - (values[0, 2 * _TARGETS + i] + sign * values[1, 2 * _TARGETS + i]),
-    )
-    force = (
-        values[0, 3 * _TARGETS + i] + sign * values[1, 3 * _TARGETS + i],
-        values[0, 4 * _TARGETS + i] + sign * values[1, 4 * _TARGETS + i],
-        values[0, 5 * _TARGETS + i] + sign * values[1, 5 * _TARGETS + i],
-    )
-    near = near_parts(squared(d), xi)
-    return stokeslet(stokeslet_scalars(near[0], near[1], near[2]), d, force)
-
-
-@njit(fastmath=FAST, error_model="numpy")
-def _add_nodes(parts: Any, weights: Any, points: Any, xi: float, sums: Any) -> None:
-    """Add to the velocities what the nodes at two azimuths and their opposites give.
-
-    **Arguments:** `weights`: [azimuth, side]; `points`, `sums`: [component, target].
-    """
-    one, other = parts[0], parts[1]
-    p, q, r, s = weights[0, 0], weights[0, 1], weights[1, 0], weights[1, 1]
-    for i in range(_TARGETS):
-        a = _node(one, 1.0, points, i, xi)
-        b = _node(one, -1.0, points, i, xi)
-        c = _node(other, 1.0, points, i, xi)
-        d = _node(other, -1.0, points, i, xi)
-        sums[0, i] += p * a[0] + q * b[0] + r * c[0] + s * d[0]
-        sums[1, i] += p * a[1] + q * b[1] + r * c[1] + s * d[1]
-        sums[2, i] += p * a[2] + q * b[2] + r * c[2] + s * d[2]
 
 
 @njit(error_model="numpy")
@@ -81,7 +42,7 @@ def _own_forces(frame: int, work: int) -> None:
     orders, radial, degree = sizes(frame, 4)
     azimuths = sizes(frame, 5)[1]
     targets = numbers(frame, 0).reshape((cells, rings, longitudes, 3))
-    coefficients = numbers(frame, 1).reshape((cells, _CHANNELS, size))
+    coefficients = numbers(frame, 1).reshape((cells, FORCE_CHANNELS, size))
     rotations = numbers(frame, 3).reshape((rings, size, size))
     by_order = numbers(frame, 4).reshape((orders, radial, degree))
     around = numbers(frame, 5).reshape((orders, azimuths))
@@ -101,14 +62,14 @@ def _own_forces(frame: int, work: int) -> None:
     rotated = np.zeros((2, filled, filled, LANES))
     sums_by_order = np.empty((2, 2, filled, LANES))
     parts = np.empty((2, 2, LANES))
-    points, sums = np.empty((3, _TARGETS)), np.empty((3, _TARGETS))
+    points, sums = np.empty((3, FORCE_TARGETS)), np.empty((3, FORCE_TARGETS))
     count = cells * longitudes
-    first = _TARGETS * next_part(work)
+    first = FORCE_TARGETS * next_part(work)
     while first < count:
         shift(coefficients, turns, first, degree, shifted)
         for ring in range(rings):
             rotate(rotations[ring], shifted, degree, rotated)
-            for lane in range(_TARGETS):
+            for lane in range(FORCE_TARGETS):
                 cell, place = divmod(min(first + lane, count - 1), longitudes)
                 for i in range(3):
                     points[i, lane] = targets[cell, ring, place, i]
@@ -119,12 +80,12 @@ def _own_forces(frame: int, work: int) -> None:
                 for a in range(0, half, 2):
                     at = longitude[a : a + 2]
                     parts_at_azimuths(sums_by_order[r % 2], at, parts[0], parts[1])
-                    _add_nodes(parts, weights[r, a : a + 2], points, xi, sums)
-            for lane in range(min(_TARGETS, count - first)):
+                    add_forces(parts, weights[r, a : a + 2], points, xi, sums)
+            for lane in range(min(FORCE_TARGETS, count - first)):
                 cell, place = divmod(first + lane, longitudes)
                 for i in range(3):
                     found[cell, ring, place, i] = sums[i, lane]
-        first = _TARGETS * next_part(work)
+        first = FORCE_TARGETS * next_part(work)
 
 
 @task(OWN_FORCES)

@@ -6,14 +6,19 @@ of opposite azimuth: the tables are those of `harmonics.polar`, arranged for thi
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
 
-from celltrain.compiled.near_loops import FAST
+from celltrain.compiled.kernels import squared, stokeslet, stokeslet_scalars
+from celltrain.compiled.near_loops import FAST, near_parts
 
 #: Numbers side by side: targets times components.
 LANES = 96
+#: Components of a shape and its force, and targets at a time of which these are wanted.
+FORCE_CHANNELS = 6
+FORCE_TARGETS = LANES // FORCE_CHANNELS
 
 
 @njit(fastmath=FAST, error_model="numpy")
@@ -139,6 +144,42 @@ def pair_weights(given: np.ndarray, weights: np.ndarray) -> None:
             weights[r, a, 0] = given[r, a]
             if azimuths - 1 - a > a:
                 weights[r, a, 1] = given[r, azimuths - 1 - a]
+
+
+@njit(fastmath=FAST, inline="always", error_model="numpy")
+def _node(values: Any, sign: float, points: Any, i: int, xi: float) -> Any:
+    """Velocity at target i by one node, of which `values` are the parts, [side, lane]."""
+    d = (
+        points[0, i] - (values[0, i] + sign * values[1, i]),
+        points[1, i] - (values[0, FORCE_TARGETS + i] + sign * values[1, FORCE_TARGETS + i]),
+        points[2, i] - (values[0, 2 * FORCE_TARGETS + i] + sign * values[1, 2 * FORCE_TARGETS + i]),
+    )
+    force = (
+        values[0, 3 * FORCE_TARGETS + i] + sign * values[1, 3 * FORCE_TARGETS + i],
+        values[0, 4 * FORCE_TARGETS + i] + sign * values[1, 4 * FORCE_TARGETS + i],
+        values[0, 5 * FORCE_TARGETS + i] + sign * values[1, 5 * FORCE_TARGETS + i],
+    )
+    near = near_parts(squared(d), xi)
+    return stokeslet(stokeslet_scalars(near[0], near[1], near[2]), d, force)
+
+
+@njit(fastmath=FAST, error_model="numpy")
+def add_forces(parts: Any, weights: Any, points: Any, xi: float, sums: Any) -> None:
+    """Add to the velocities what forces at two azimuths and their opposites give.
+
+    **Arguments:** `parts`: of shape and force, [azimuth, side, lane]; `weights`: [azimuth, side];
+    `points`, `sums`: [component, target].
+    """
+    one, other = parts[0], parts[1]
+    p, q, r, s = weights[0, 0], weights[0, 1], weights[1, 0], weights[1, 1]
+    for i in range(FORCE_TARGETS):
+        a = _node(one, 1.0, points, i, xi)
+        b = _node(one, -1.0, points, i, xi)
+        c = _node(other, 1.0, points, i, xi)
+        d = _node(other, -1.0, points, i, xi)
+        sums[0, i] += p * a[0] + q * b[0] + r * c[0] + s * d[0]
+        sums[1, i] += p * a[1] + q * b[1] + r * c[1] + s * d[1]
+        sums[2, i] += p * a[2] + q * b[2] + r * c[2] + s * d[2]
 
 
 @njit(fastmath=FAST, error_model="numpy")

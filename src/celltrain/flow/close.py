@@ -12,11 +12,13 @@ uniform beyond alpha = 1/k. The azimuth beta is uniform.
 
 Tables of harmonics at the nodes exist for distances a factor of two apart. Pairs are sorted by that
 level, and evaluated in chunks of one level and a fixed size, as many as there are pairs: memory is
-bounded, and the cost follows the number of pairs.
+bounded, and the cost follows the number of pairs. What forces give is a compiled loop where loops
+serve.
 """
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import equinox as eqx
 import jax
@@ -24,19 +26,30 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from celltrain.compiled import CLOSE_FORCES, compiled_or_plain, loop
 from celltrain.flow.polar import PolarRule, density_rows, polar_velocity
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.polar import PolarTables, polar_tables
-from celltrain.proximity.nearest import (
-    NearestPoints,
-    NearestPointSearch,
-    nearest_point_search,
-)
+from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search
 from celltrain.runtime import constant
 
 CHUNK = 16
 UNIFORMITY = 8.0
 CLOSEST = 1e-4
+
+
+class LevelledPairs(eqx.Module):
+    """Pairs of a point and a cell, sorted by the level of their distance.
+
+    `poles`: (theta, phi) of the cell's point that is nearest. `order`: numbers of the pairs, level
+    by level, which begin at `bounds`; those that are not valid last.
+    """
+
+    cells: Int[Array, " pair"]
+    poles: Float[Array, "pair 2"]
+    valid: Bool[Array, " pair"]
+    order: Int[Array, " pair"]
+    bounds: Int[Array, " bound"]
 
 
 class CloseRule(eqx.Module):
@@ -72,14 +85,11 @@ class CloseRule(eqx.Module):
         - `forces`: coefficients of the force per solid angle, in mu U r0.
         - `densities`: coefficients of w, in U. The integral of what is absent is not computed.
         """
-        channels = (shapes, forces, densities)
-
-        def found(rule: PolarRule, poles: Array, pair: Array) -> Array:
-            chosen = (None if each is None else each[cells[pair]] for each in channels)
-            return polar_velocity(rule, poles, points[pair], *chosen)
-
-        nearest = self.nearest.of_valid(points, cells, shapes, guesses, valid)
-        return self._over_levels(found, nearest, valid, jnp.zeros_like(points))
+        pairs = self._pairs(points, cells, guesses, valid, shapes)
+        if densities is None:
+            assert forces is not None
+            return force_velocity(self, pairs, points, shapes, forces)
+        return self._over_levels(polar_velocity, pairs, points, (shapes, forces, densities), (3,))
 
     def double_layer(
         self,
@@ -94,49 +104,110 @@ class CloseRule(eqx.Module):
         For many densities on the same shapes: they cost about as much as two of its evaluations.
         Arguments as for `velocity`; zero where a pair is not valid.
         """
+        pairs = self._pairs(points, cells, guesses, valid, shapes)
+        return self._over_levels(density_rows, pairs, points, (shapes,), (3, 3, shapes.shape[-1]))
 
-        def found(rule: PolarRule, poles: Array, pair: Array) -> Array:
-            return density_rows(rule, poles, points[pair], shapes[cells[pair]])
-
-        nearest = self.nearest.of_valid(points, cells, shapes, guesses, valid)
-        start = jnp.zeros((points.shape[0], 3, 3, shapes.shape[-1]))
-        return self._over_levels(found, nearest, valid, start)
+    def _pairs(
+        self,
+        points: Float[Array, "pair 3"],
+        cells: Int[Array, " pair"],
+        guesses: Float[Array, "pair 2"],
+        valid: Bool[Array, " pair"],
+        shapes: JaxShapes,
+    ) -> LevelledPairs:
+        near = self.nearest.of_valid(points, cells, shapes, guesses, valid)
+        scaled = jnp.abs(near.distance) / near.stretch
+        level = jnp.minimum(jnp.sum(scaled[:, None] < self.levels, axis=1), self.levels.size - 1)
+        level = jnp.where(valid, level, self.levels.size)
+        order = jnp.argsort(level)
+        bounds = jnp.searchsorted(level[order], jnp.arange(self.levels.size + 1))
+        poles = jnp.stack([near.theta, near.phi], axis=-1)
+        return LevelledPairs(cells, poles, valid, order, bounds)
 
     def _over_levels(
         self,
-        found: Callable[[PolarRule, Array, Array], Array],
-        nearest: NearestPoints,
-        valid: Bool[Array, " pair"],
-        start: Array,
-    ) -> Array:
-        """What is found for the valid pairs added to `start`, in chunks of pairs of one level."""
-        poles = jnp.stack([nearest.theta, nearest.phi], axis=-1)
-        level = self._level(nearest, valid)
-        order = jnp.argsort(level)
-        bounds = jnp.searchsorted(level[order], jnp.arange(self.levels.size + 1))
-        chunks = -(-jnp.diff(bounds) // CHUNK)
+        integral: Callable[..., Array],
+        pairs: LevelledPairs,
+        points: Float[Array, "pair 3"],
+        channels: tuple[JaxShapes | None, ...],
+        shape: tuple[int, ...],
+    ) -> Float[Array, "pair ..."]:
+        """The integral of each valid pair, in chunks of pairs of one level; zero elsewhere.
+
+        **Arguments:** `integral`: of a polar rule, poles, points and the channels of their cells;
+        `shape`: of what it gives for one pair.
+        """
+        chunks = -(-jnp.diff(pairs.bounds) // CHUNK)
         before = jnp.cumsum(chunks) - chunks
 
         def add(number: Array, total: Array) -> Array:
             here = jnp.searchsorted(before + chunks, number, side="right")
-            place = bounds[here] + CHUNK * (number - before[here]) + jnp.arange(CHUNK)
-            pair = order[jnp.minimum(place, order.size - 1)]
+            place = pairs.bounds[here] + CHUNK * (number - before[here]) + jnp.arange(CHUNK)
+            pair = pairs.order[jnp.minimum(place, pairs.order.size - 1)]
             tables, weights, areas = jax.tree.map(
                 lambda leaf: leaf[here], (self.tables, self.weights, self.areas)
             )
-            rotation = self.nearest.rotation
-            rule = PolarRule(self.parameter, rotation, tables, weights, areas)
-            part = found(rule, poles[pair], pair)
-            inside = (place < bounds[here + 1]).reshape(-1, *(1,) * (part.ndim - 1))
+            rule = PolarRule(self.parameter, self.nearest.rotation, tables, weights, areas)
+            cells = pairs.cells[pair]
+            chosen = (None if each is None else each[cells] for each in channels)
+            part = integral(rule, pairs.poles[pair], points[pair], *chosen)
+            inside = (place < pairs.bounds[here + 1]).reshape(-1, *(1,) * len(shape))
             return total.at[pair].add(jnp.where(inside, part, 0.0))
 
+        start = jnp.zeros((points.shape[0], *shape))
         return jax.lax.fori_loop(0, jnp.sum(chunks), add, start)
 
-    def _level(self, nearest: NearestPoints, valid: Array) -> Int[Array, " pair"]:
-        """Number of the level of each pair; that of pairs that are not valid is one too many."""
-        scaled = jnp.abs(nearest.distance) / nearest.stretch
-        level = jnp.sum(scaled[:, None] < self.levels, axis=1)
-        return jnp.where(valid, jnp.minimum(level, self.levels.size - 1), self.levels.size)
+
+@jax.custom_jvp
+def force_velocity(
+    rule: CloseRule,
+    pairs: LevelledPairs,
+    points: Float[Array, "pair 3"],
+    shapes: JaxShapes,
+    forces: JaxShapes,
+) -> Float[Array, "pair 3"]:
+    """(1/8 pi) int G_near F dOmega of each pair, by a compiled loop where there is one.
+
+    Derivatives are those of the formula.
+    """
+    return compiled_or_plain(_force_loop, _force_formula, rule, pairs, points, shapes, forces)
+
+
+@force_velocity.defjvp
+def _force_velocity_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    rule, pairs, *inputs = primals
+    formula = partial(_force_formula, rule, pairs)
+    _, moved = jax.jvp(formula, tuple(inputs), tuple(tangents[2:]))
+    return force_velocity(rule, pairs, *inputs), moved
+
+
+def _force_loop(
+    rule: CloseRule, pairs: LevelledPairs, points: Array, shapes: JaxShapes, forces: JaxShapes
+) -> Array:
+    found = loop(
+        CLOSE_FORCES,
+        points.shape,
+        points,
+        pairs.poles,
+        pairs.cells.astype(int),
+        jnp.concatenate([shapes, forces], axis=1),
+        pairs.order.astype(int),
+        pairs.bounds.astype(int),
+        rule.nearest.rotation.quarter,
+        rule.weights,
+        rule.tables.latitude,
+        # That of all levels.
+        rule.tables.longitude[0],
+        jnp.asarray(rule.parameter),
+    )
+    return jnp.where(pairs.valid[:, None], found, 0.0)
+
+
+def _force_formula(
+    rule: CloseRule, pairs: LevelledPairs, points: Array, shapes: JaxShapes, forces: JaxShapes
+) -> Array:
+    """What `force_velocity` computes."""
+    return rule._over_levels(polar_velocity, pairs, points, (shapes, forces, None), (3,))
 
 
 def close_rule(
