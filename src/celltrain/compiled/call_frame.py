@@ -151,7 +151,7 @@ def _pointer(typing_context: Any, address: Any) -> Any:
     return types.voidptr(types.int64), generate
 
 
-@njit(inline="always")
+@njit
 def words(address: int, count: int) -> np.ndarray:
     """So many 64-bit words from an address on."""
     return carray(_pointer(address), (count,), np.int64)
@@ -173,13 +173,13 @@ def answered(frame: int, kinds: tuple[int, ...]) -> bool:
     return False
 
 
-@njit(inline="always")
+@njit
 def _is_question(frame: int) -> bool:
     extension = words(frame, _FRAME_WORDS)[_EXTENSION]
     return extension != 0 and words(extension, _KIND + 1)[_KIND] & 0xFFFFFFFF == _QUESTION
 
 
-@njit(inline="always")
+@njit
 def _describe(frame: int) -> None:
     extension = words(words(frame, _FRAME_WORDS)[_EXTENSION], _ANSWER + 1)
     answer = words(extension[_ANSWER], _ANSWER_WORDS)
@@ -187,13 +187,13 @@ def _describe(frame: int) -> None:
     answer[_TRAITS] = 0
 
 
-@njit(inline="always")
+@njit
 def _buffer(frame: int, place: int, number: int) -> np.ndarray:
     listed = words(words(frame, _FRAME_WORDS)[place], number + 1)
     return words(listed[number], _BUFFER_WORDS)
 
 
-@njit(inline="always")
+@njit
 def _fits(frame: int, kinds: tuple[int, ...]) -> bool:
     for number in range(len(kinds)):
         if _buffer(frame, _ARGUMENTS, number)[_TYPE] & 0xFFFFFFFF != kinds[number]:
@@ -201,14 +201,14 @@ def _fits(frame: int, kinds: tuple[int, ...]) -> bool:
     return True
 
 
-@njit(inline="always")
+@njit
 def sizes(frame: int, number: int) -> np.ndarray:
     """Sizes of the axes of an argument."""
     buffer = _buffer(frame, _ARGUMENTS, number)
     return words(buffer[_SIZES], buffer[_RANK])
 
 
-@njit(inline="always")
+@njit
 def _count(buffer: np.ndarray) -> int:
     count = 1
     for size in words(buffer[_SIZES], buffer[_RANK]):
@@ -216,28 +216,28 @@ def _count(buffer: np.ndarray) -> int:
     return count
 
 
-@njit(inline="always")
+@njit
 def numbers(frame: int, number: int) -> np.ndarray:
     """An argument of 64-bit floats, flat."""
     buffer = _buffer(frame, _ARGUMENTS, number)
     return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.float64)
 
 
-@njit(inline="always")
+@njit
 def integers(frame: int, number: int) -> np.ndarray:
     """An argument of 64-bit integers, flat."""
     buffer = _buffer(frame, _ARGUMENTS, number)
     return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.int64)
 
 
-@njit(inline="always")
+@njit
 def flags(frame: int, number: int) -> np.ndarray:
     """An argument of truth values, flat, as bytes."""
     buffer = _buffer(frame, _ARGUMENTS, number)
     return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.uint8)
 
 
-@njit(inline="always")
+@njit
 def result(frame: int) -> np.ndarray:
     """The result, 64-bit floats, flat."""
     buffer = _buffer(frame, _RESULTS, 0)

@@ -210,5 +210,6 @@ def _node_forces_handler(frame: int) -> int:
     sums = result(frame).reshape((-1, 3))
     for t in range(targets.shape[0]):
         x, y, z = targets[t]
-        sums[t] = _node_forces(x, y, z, values[:3], values[3:], t, weights, xi)
+        u, v, w = _node_forces(x, y, z, values[:3], values[3:], t, weights, xi)
+        sums[t, 0], sums[t, 1], sums[t, 2] = u, v, w
     return 0

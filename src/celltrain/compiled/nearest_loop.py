@@ -163,6 +163,12 @@ def _product(a: Any, b: Any) -> float:
 
 
 @njit(error_model="numpy")
+def _subtract(a: Any, b: Any, difference: Any) -> None:
+    for i in range(3):
+        difference[i] = a[i] - b[i]
+
+
+@njit(error_model="numpy")
 def _newton_step(jet: Any, away: Any) -> tuple[float, float]:
     """Newton's step where the Hessian is positive, Gauss and Newton's where it is not."""
     g, h = _product(jet[1], away), _product(jet[2], away)
@@ -197,7 +203,7 @@ def _search(
     theta, phi = guess[0], guess[1]
     jet, trial, away = jets[0], jets[1], np.empty(3)
     _jet(theta, phi, shape, factors, functions, jet)
-    away[:] = jet[0] - point
+    _subtract(jet[0], point, away)
     square, shortening, ended = _product(away, away), 1.0, False
     for _ in range(MAX_ITERATIONS):
         if ended:
@@ -213,7 +219,7 @@ def _search(
         if new_square <= square:
             theta, phi, square, shortening = new_theta, new_phi, new_square, 1.0
             jet, trial = trial, jet
-            away[:] = jet[0] - point
+            _subtract(jet[0], point, away)
         else:
             shortening *= 0.25
     one, two = jet[1], jet[2]
@@ -260,7 +266,9 @@ def _nearest(frame: int, work: int) -> None:
     while first < pairs:
         for pair in range(first, min(first + _PAIRS, pairs)):
             if valid[pair] == 0:
-                found[pair] = 0.0, 0.0, math.inf, 1.0, 1.0
+                found[pair, 0] = found[pair, 1] = 0.0
+                found[pair, 2] = math.inf
+                found[pair, 3] = found[pair, 4] = 1.0
                 continue
             shape = arranged[cell_of[pair]]
             _search(points[pair], shape, guesses[pair], factors, functions, jets, found[pair])
