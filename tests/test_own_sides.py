@@ -81,7 +81,8 @@ def skewed(shape: np.ndarray) -> np.ndarray:
 def test_distances_are_those_from_the_other_part(form: Any, gap: float, within: float) -> None:
     shape = skewed(form(gap))
     grid, dense = film_grid(DEGREE), sphere_grid(DEGREE, DENSE)
-    found = grid.find(shape[None], within=within, period=math.inf)
+    shapes = shape[None]
+    found = grid.find(shapes, grid.coarse.surfaces(shapes), within=within, period=math.inf)
     assert len(found.distance) > 50
     # The two parts are at the two poles of the parameters.
     front, there = (np.cos(each) > 0.0 for each in (grid.fine.angles[:, 0], dense.points()[0]))
@@ -182,13 +183,14 @@ def test_what_is_passed_by_could_not_be_found(
 def test_a_fold_of_thin_parts_has_not_crossed() -> None:
     # A sheet rolled up by a turn and a quarter: both parts of its film are thin.
     degree, thickness, gap = 16, 0.08, 0.06
-    grid = film_grid(degree).fine
+    both = film_grid(degree)
+    grid = both.fine
     x, sine, phi = np.cos(grid.angles[:, 0]), np.sin(grid.angles[:, 0]), grid.angles[:, 1]
     turn = 1.25 * math.pi * (1.5 * x - 0.5 * x**3)
     radius = 0.6 + (thickness + gap) * turn / (2.0 * math.pi) + 0.5 * thickness * sine * np.cos(phi)
     points = np.stack([radius * np.cos(turn), 0.5 * sine * np.sin(phi), radius * np.sin(turn)])
     shapes = np.asarray((points * grid.weights) @ grid.values)[None]
-    found = film_grid(degree).find(shapes, within=RANGE, period=math.inf)
+    found = both.find(shapes, both.coarse.surfaces(shapes), within=RANGE, period=math.inf)
     assert len(found.distance) > 1000
     assert (found.distance > 0.01).all()
     assert not overlaps(shapes, period=math.inf)

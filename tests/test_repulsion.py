@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from same_runs import assert_same_place
+from scipy.spatial import cKDTree
 
 from celltrain import Base, CaseError, Train, save
 from celltrain.cli import main
@@ -55,10 +56,9 @@ def placed(shape: np.ndarray, *places: tuple[float, float, float]) -> np.ndarray
 
 def of_spheres(degree: int, *, length: float = FAR, radius: float = FAR) -> FilmForces:
     """Films of unit spheres."""
-    grid = sphere_grid(1, 6 * degree)
     train = Train(diameter=6, packing=0.2, cells=2, degree=degree)
     made = film_forces(train.cell, train.sizes, RoundTube(radius, length), Repulsion(RANGE))
-    return dataclasses.replace(made, areas=np.asarray(grid.weights))
+    return dataclasses.replace(made, areas=made.grid.fine.weights)
 
 
 @pytest.fixture(scope="module")
@@ -162,6 +162,33 @@ def test_force_is_minus_the_gradient_of_the_energy(case: str) -> None:
     if case != "wall":
         total = found.forces[:, :, 0].sum(axis=0)
         assert_allclose(total, 0.0, atol=1e-13 * np.abs(found.forces).max())
+
+
+def test_no_point_of_a_film_is_missed(films: FilmForces) -> None:
+    """Of cells within each other, points of all of which are near all others, and an image."""
+    sizes, period = np.array([1.0, 1.02, 1.05]), 2.02
+    shapes = skewed(3)[:1] * sizes[:, None, None]
+    grid, dense = films.grid, sphere_grid(DEGREE, 180)
+    found = grid.find(shapes, grid.coarse.surfaces(shapes), within=RANGE, period=period)
+    assert len(found.node) > 4 * len(grid.fine.angles)
+    # A cell's own image counts as itself.
+    listed: dict[tuple[int, int], set[int]] = {
+        (cell, other): set() for cell in range(3) for other in range(3)
+    }
+    for cell, other, node in zip(found.cell, found.other, found.node, strict=True):
+        listed[cell, other].add(node)
+    images = np.array([[0.0, 0.0, period * image] for image in (-1, 0, 1)])
+    for other in range(3):
+        points = np.asarray(dense.values) @ shapes[other].T
+        for cell in range(3):
+            # A cell's own points are at no distance from itself.
+            shifts = images[[0, 2]] if cell == other else images
+            tree = cKDTree(np.concatenate([points + shift for shift in shifts]))
+            distance = tree.query(grid.fine.values @ shapes[cell].T)[0]
+            near = np.flatnonzero(distance < 0.98 * RANGE)
+            assert listed[cell, other].issuperset(near)
+            assert len(near) > 10
+    assert all(listed.values())
 
 
 def test_no_torque_between_cells(films: FilmForces) -> None:

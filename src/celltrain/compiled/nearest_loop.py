@@ -236,7 +236,7 @@ def _search(
     found[4] = 1.0 if ended else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def nearest_on_host(points: Any, cells: Any, shapes: Any, guesses: Any) -> Any:
     """[pair, FOUND] for points [pair, 3] of cells [pair], with shapes and guesses (theta, phi)."""
     degree = round(math.sqrt(shapes.shape[2]))

@@ -11,24 +11,19 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
-from scipy.spatial import cKDTree
+from jaxtyping import Float, Int
 
-from celltrain.compiled.facing_loop import BEND
+from celltrain.compiled.block_loops import close_on_host
 from celltrain.harmonics import Shapes, real_harmonics, surface_points
-from celltrain.proximity.boxes import close_boxes, image_shift
+from celltrain.proximity.boxes import close_boxes
 from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
 from celltrain.proximity.own_sides import OwnSidesSearch, own_sides_search
-from celltrain.proximity.surface_grid import SurfaceGrid, Vectors, surface_grid
+from celltrain.proximity.surface_grid import SurfaceGrid, Surfaces, surface_grid
 from celltrain.proximity.walls import Wall
-
-Points = Float[np.ndarray, "point 3"]
 
 # Rings of the grids, over the degree of the shapes.
 COARSE = 3
 FINE = 6
-# Largest length on a membrane, over that on the unit sphere, that the search allows for.
-STRETCH = 2.0
 
 
 @dataclass(frozen=True)
@@ -66,37 +61,29 @@ class WallPoints:
 
 
 @dataclass(frozen=True)
-class _Side:
-    """Candidates of one cell near another: grid points, places as seen by the other, guesses."""
-
-    cell: int
-    other: int
-    node: Int[np.ndarray, " point"]
-    points: Points
-    guess: Int[np.ndarray, " point"]
-
-
-@dataclass(frozen=True)
 class FilmGrid:
     """The two grids, for shapes with the harmonics below one degree.
 
-    `parent` is the nearest point of the coarse one to each of the fine one.
+    Their points are in blocks, which begin at `coarse_starts` and `starts`.
     """
 
     degree: int
     coarse: SurfaceGrid
     fine: SurfaceGrid
-    parent: Int[np.ndarray, " point"]
+    coarse_starts: Int[np.ndarray, " block"]
+    starts: Int[np.ndarray, " block"]
     search: NearestPointSearch
     own_sides: OwnSidesSearch
 
-    def find(self, shapes: Shapes, *, within: float, period: float) -> FilmPoints:
+    def find(
+        self, shapes: Shapes, surfaces: Surfaces, *, within: float, period: float
+    ) -> FilmPoints:
         """All points less than `within` (r0) from another cell, or another part of their own.
 
-        Cells recur with the period.
+        Cells recur with the period. **Arguments:** `surfaces`: what the coarse grid has of the
+        shapes.
         """
-        surfaces = self.coarse.surfaces(shapes)
-        found = self._between_cells(shapes, surfaces.points, within, period)
+        found = self._between_cells(shapes, surfaces, within, period)
         for cell, sides in self.own_sides.find(shapes, surfaces, within=within):
             number = np.full_like(sides.node, cell)
             found.append(
@@ -106,15 +93,24 @@ class FilmGrid:
         return FilmPoints(*(np.concatenate(each) for each in parts))
 
     def _between_cells(
-        self, shapes: Shapes, coarse: Vectors, within: float, period: float
+        self, shapes: Shapes, surfaces: Surfaces, within: float, period: float
     ) -> list[FilmPoints]:
-        sides = self._sides(shapes, coarse, within, period)
-        empty = np.zeros(0, dtype=int)
-        cell = np.concatenate([empty, *(np.full_like(side.node, side.cell) for side in sides)])
-        other = np.concatenate([empty, *(np.full_like(side.node, side.other) for side in sides)])
-        node = np.concatenate([empty, *(side.node for side in sides)])
-        guess = np.concatenate([empty, *(side.guess for side in sides)])
-        points = np.concatenate([np.zeros((0, 3)), *(side.points for side in sides)])
+        # A point of the fine grid, the coarse one's nearest to it, and the same across the film.
+        stretch = surfaces.stretch
+        bound = float(np.hypot(within, self.fine.spacing(stretch).max()))
+        reach = bound + 2.0 * float(self.coarse.spacing(stretch).max())
+        pairs = list(close_boxes(surfaces.points, within=reach, period=period))
+        found, points = close_on_host(
+            surfaces.points,
+            self.coarse_starts,
+            self.fine.tables,
+            self.starts,
+            np.array(shapes, float, order="C"),
+            np.array(pairs, np.int64).reshape(-1, 3),
+            float(period),
+            (reach, bound, float(within)),
+        )
+        cell, other, node, guess = found.T
         guesses = self.fine.angles[guess]
         angles, distance = nearest_points(self.search, points, other, shapes, guesses)
         kept = distance < within
@@ -131,83 +127,20 @@ class FilmGrid:
             )
         ]
 
-    def at_wall(self, shapes: Shapes, *, within: float, wall: Wall) -> WallPoints:
-        """All points less than `within` (r0) from the wall."""
-        least = wall.distance(surface_points(shapes, self.coarse.values)).min(axis=1)
-        close = np.flatnonzero(least < within + _spacing(COARSE * self.degree))
+    def at_wall(
+        self, shapes: Shapes, surfaces: Surfaces, *, within: float, wall: Wall
+    ) -> WallPoints:
+        """All points less than `within` (r0) from the wall.
+
+        **Arguments:** `surfaces`: what the coarse grid has of the shapes.
+        """
+        least = wall.distance(surfaces.points).min(axis=1)
+        close = np.flatnonzero(least < within + self.coarse.spacing(surfaces.stretch))
         points = surface_points(shapes[close], self.fine.values)
         distance = wall.distance(points)
         place, node = np.nonzero(distance < within)
         inward = wall.inward(points[place, node])
         return WallPoints(close[place], node, distance[place, node], inward)
-
-    def _sides(self, shapes: Shapes, points: Vectors, within: float, period: float) -> list[_Side]:
-        reach = within + 2.0 * _spacing(COARSE * self.degree)
-        trees: dict[int, cKDTree] = {}
-        sides = []
-        for first, second, image in close_boxes(points, within=reach, period=period):
-            shift = image_shift(image, period)
-            for cell in {first, second} - trees.keys():
-                trees[cell] = cKDTree(points[cell])
-            close = (
-                np.isfinite(_query(points[first] - shift, trees[second], reach)[0]),
-                np.isfinite(_query(points[second] + shift, trees[first], reach)[0]),
-            )
-            if close[0].any():
-                sides += self._candidates(shapes, (first, second), close, shift, within)
-        return sides
-
-    def _candidates(
-        self,
-        shapes: Shapes,
-        cells: tuple[int, int],
-        close: tuple[Bool[np.ndarray, " node"], Bool[np.ndarray, " node"]],
-        shift: Float[np.ndarray, "3"],
-        within: float,
-    ) -> list[_Side]:
-        """Points of the fine grid that can be within the distance, of both cells."""
-        first, second = cells
-        nodes = [np.flatnonzero(each[self.parent]) for each in close]
-        here = self.fine.values[nodes[0]] @ shapes[first].T - shift
-        there = self.fine.values[nodes[1]] @ shapes[second].T
-        bound = float(np.hypot(within, _spacing(FINE * self.degree)))
-        found = []
-        for side, points, others in ((0, here, there), (1, there, here)):
-            distance, index = _query(points, cKDTree(others), bound)
-            number = np.flatnonzero(np.isfinite(distance))
-            index = index[number]
-            guess = nodes[1 - side][index]
-            # The distance from the plane that touches the surface at the nearest point of the grid
-            # is right to half the curvature times the square of the distance along it.
-            down, around = self.fine.tables[1:, guess] @ shapes[cells[1 - side]].T
-            normal = np.cross(down, around)
-            away = points[number] - others[index]
-            height = np.abs(np.sum(normal * away, axis=1)) / np.linalg.norm(normal, axis=1)
-            likely = height < within + BEND * (distance[number] ** 2 - height**2)
-            number, guess = number[likely], guess[likely]
-            found.append(
-                _Side(
-                    cell=cells[side],
-                    other=cells[1 - side],
-                    node=nodes[side][number],
-                    points=points[number] + (0.0 if side == 0 else shift),
-                    guess=guess,
-                )
-            )
-        return found
-
-
-def _spacing(order: int) -> float:
-    """Largest distance of a membrane's point from the nearest one of a grid, in r0."""
-    return float(STRETCH * np.sqrt(0.5) * np.pi / order)
-
-
-def _query(
-    points: Points, tree: cKDTree, reach: float
-) -> tuple[Float[np.ndarray, " point"], Int[np.ndarray, " point"]]:
-    """Distance to the nearest point of the tree, infinite beyond the reach, and its number."""
-    distance, index = tree.query(points, distance_upper_bound=reach)
-    return np.asarray(distance), np.asarray(index)
 
 
 @lru_cache(maxsize=4)
@@ -217,4 +150,4 @@ def film_grid(degree: int) -> FilmGrid:
     own = own_sides_search(
         surface_grid(degree, COARSE * degree), surface_grid(degree, FINE * degree), search
     )
-    return FilmGrid(degree, own.coarse, own.fine, own.parent, search, own)
+    return FilmGrid(degree, own.coarse, own.fine, own.starts, own.fine_starts, search, own)

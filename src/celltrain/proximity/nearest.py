@@ -11,6 +11,8 @@ these serve (`compiled.nearest_loop`), and by the formulas here elsewhere.
 """
 
 import math
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 
 import equinox as eqx
 import jax
@@ -33,6 +35,8 @@ from celltrain.runtime import constant
 
 # Pairs at once; with many more their coefficients leave the cache.
 CHUNK = 64
+# Points that one thread searches for at once outside programs; fewer take less time than to share.
+AT_ONCE = 128
 
 # Count of steps; pole, jet there, squared distance, shortening of steps, end of each pair.
 State = tuple[Array, Array, Array, Array, Array, Array]
@@ -174,7 +178,13 @@ def nearest_points(
     if LOOPS_SERVE:
         # Copies, as arrays that cannot be written to would be another type, compiled anew.
         at, of, near = (np.array(each, float, order="C") for each in (points, shapes, guesses))
-        found = nearest_on_host(at, np.array(cells, np.int64, order="C"), of, near)
+        cell = np.array(cells, np.int64, order="C")
+        begins = range(0, len(at), AT_ONCE)
+        parts = [slice(begin, begin + AT_ONCE) for begin in begins]
+        searched = _threads().map(
+            lambda part: nearest_on_host(at[part], cell[part], of, near[part]), parts
+        )
+        found = np.concatenate([np.zeros((0, FOUND)), *searched])
         return found[:, :2], found[:, 2]
     angles, distances = np.zeros((len(points), 2)), np.zeros(len(points))
     for start in range(0, len(points), CHUNK):
@@ -185,6 +195,11 @@ def nearest_points(
         angles[number] = np.stack([one.theta, one.phi], axis=-1)
         distances[number] = one.distance
     return angles, distances
+
+
+@cache
+def _threads() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor()
 
 
 @Program

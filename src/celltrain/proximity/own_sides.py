@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
-from celltrain.compiled.facing_loop import facing_on_host
+from celltrain.compiled.block_loops import facing_on_host
 from celltrain.harmonics import (
     Shape,
     Shapes,
@@ -67,12 +67,14 @@ class OwnSidesSearch:
     """The search, for shapes with the harmonics below one degree.
 
     The points of the coarse grid are in blocks; `block` is that of each point, and `starts` where
-    each block begins. `parent` is the point of the coarse grid nearest to each of the fine one.
+    each block begins, `fine_starts` in the fine one. `parent` is the point of the coarse grid
+    nearest to each of the fine one.
     """
 
     coarse: SurfaceGrid
     starts: Int[np.ndarray, " block"]
     fine: SurfaceGrid
+    fine_starts: Int[np.ndarray, " block"]
     parent: Int[np.ndarray, " point"]
     block: Int[np.ndarray, " node"]
     search: NearestPointSearch
@@ -86,10 +88,9 @@ class OwnSidesSearch:
         """
         points, areas, stretch = surfaces
         normals = areas / np.linalg.norm(areas, axis=-1, keepdims=True)
-        # From a point of a membrane to the nearest one of the grid it is half a diagonal.
-        far = math.sqrt(2.0) * stretch * self.coarse.step
+        far = 2.0 * self.coarse.spacing(stretch)
         facing = facing_on_host(points, normals, self.starts, within, far)
-        reach = np.hypot(within, math.sqrt(0.5) * stretch * self.fine.step)
+        reach = np.hypot(within, self.fine.spacing(stretch))
         found = []
         for cell in np.flatnonzero(facing.any(axis=1)):
             node = np.flatnonzero(facing[cell, self.parent])
@@ -176,18 +177,23 @@ def _winding(points: Nodes, areas: Nodes, at: Points) -> Float[np.ndarray, " poi
 def own_sides_search(
     coarse: SurfaceGrid, fine: SurfaceGrid, search: NearestPointSearch
 ) -> OwnSidesSearch:
-    """The search by two grids; the coarse one is put in order of its blocks."""
+    """The search by two grids; which are put in the order of blocks."""
     # A block has the points next to one of a grid with a third as many rings.
     middles = unit_vectors(*sphere_grid(1, coarse.order // 3).points())
     block = np.asarray(cKDTree(middles).query(unit_vectors(*coarse.angles.T))[1])
     order = np.argsort(block, kind="stable")
     coarse, block = coarse.reordered(order), block[order]
+    starts = np.append(np.flatnonzero(np.diff(block, prepend=-1)), len(block))
     tree = cKDTree(unit_vectors(*coarse.angles.T))
+    parent = np.asarray(tree.query(unit_vectors(*fine.angles.T))[1])
+    order = np.argsort(parent, kind="stable")
+    fine, parent = fine.reordered(order), parent[order]
     return OwnSidesSearch(
         coarse=coarse,
-        starts=np.append(np.flatnonzero(np.diff(block, prepend=-1)), len(block)),
+        starts=starts,
         fine=fine,
-        parent=np.asarray(tree.query(unit_vectors(*fine.angles.T))[1]),
+        fine_starts=np.searchsorted(parent, starts),
+        parent=parent,
         block=block,
         search=search,
     )

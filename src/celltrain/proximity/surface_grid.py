@@ -49,6 +49,13 @@ class SurfaceGrid:
         """Angle between neighbouring rings, and at the equator between points of a ring."""
         return math.pi / self.order
 
+    def spacing(self, stretch: Float[np.ndarray, " cell"]) -> Float[np.ndarray, " cell"]:
+        """Largest distance of a membrane's point from the nearest one of the grid, r0.
+
+        Half a diagonal. **Arguments:** `stretch`: those of the cells.
+        """
+        return math.sqrt(0.5) * stretch * self.step
+
     def surfaces(self, shapes: Shapes, nodes: Int[np.ndarray, " point"] | None = None) -> Surfaces:
         """The surfaces of shapes. **Arguments:** `nodes`: numbers of the points, if not all."""
         tables = self.tables if nodes is None else self.tables[:, nodes]

@@ -66,8 +66,9 @@ class FilmForces:
         within = self.repulsion.range
         if within == 0.0:
             return none
-        found = self.grid.find(shapes, within=within, period=self.surroundings.period)
-        walls = self.grid.at_wall(shapes, within=within, wall=self.surroundings.wall)
+        around, surfaces = self.surroundings, self.grid.coarse.surfaces(shapes)
+        found = self.grid.find(shapes, surfaces, within=within, period=around.period)
+        walls = self.grid.at_wall(shapes, surfaces, within=within, wall=around.wall)
         if not len(found.distance) and not len(walls.distance):
             return none
         gap = float(min(found.distance.min(initial=np.inf), walls.distance.min(initial=np.inf)))
