@@ -83,7 +83,7 @@ class FilmGrid:
         Cells recur with the period. **Arguments:** `surfaces`: what the coarse grid has of the
         shapes.
         """
-        found = self._between_cells(shapes, surfaces, within, period)
+        found = [self._between_cells(shapes, surfaces, within, period)]
         for cell, sides in self.own_sides.find(shapes, surfaces, within=within):
             number = np.full_like(sides.node, cell)
             found.append(
@@ -94,8 +94,8 @@ class FilmGrid:
 
     def _between_cells(
         self, shapes: Shapes, surfaces: Surfaces, within: float, period: float
-    ) -> list[FilmPoints]:
-        # A point of the fine grid, the coarse one's nearest to it, and the same across the film.
+    ) -> FilmPoints:
+        # Of points of the fine grid across a film, and of the coarse one's nearest to them.
         stretch = surfaces.stretch
         bound = float(np.hypot(within, self.fine.spacing(stretch).max()))
         reach = bound + 2.0 * float(self.coarse.spacing(stretch).max())
@@ -116,16 +116,14 @@ class FilmGrid:
         kept = distance < within
         nearest = real_harmonics(self.degree, *angles[kept].T)
         away = points[kept] - np.einsum("pk,pik->pi", nearest, shapes[other[kept]])
-        return [
-            FilmPoints(
-                cell=cell[kept],
-                other=other[kept],
-                node=node[kept],
-                distance=distance[kept],
-                direction=away / distance[kept, None],
-                nearest=nearest,
-            )
-        ]
+        return FilmPoints(
+            cell=cell[kept],
+            other=other[kept],
+            node=node[kept],
+            distance=distance[kept],
+            direction=away / distance[kept, None],
+            nearest=nearest,
+        )
 
     def at_wall(
         self, shapes: Shapes, surfaces: Surfaces, *, within: float, wall: Wall

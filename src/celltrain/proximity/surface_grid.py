@@ -58,16 +58,18 @@ class SurfaceGrid:
 
     def surfaces(self, shapes: Shapes, nodes: Int[np.ndarray, " point"] | None = None) -> Surfaces:
         """The surfaces of shapes. **Arguments:** `nodes`: numbers of the points, if not all."""
-        tables = self.tables if nodes is None else self.tables[:, nodes]
+        tables = self.tables if nodes is None else np.take(self.tables, nodes, axis=1)
         # One product of matrices: many small ones take four times as long.
         every = tables.reshape(-1, tables.shape[2]) @ shapes.reshape(-1, shapes.shape[2]).T
-        points, down, around = np.moveaxis(every.reshape(3, tables.shape[1], len(shapes), 3), 2, 1)
+        by_cell = np.moveaxis(every.reshape(3, tables.shape[1], len(shapes), 3), 2, 1)
+        # Of one layout, for which loops are compiled.
+        points, down, around = np.ascontiguousarray(by_cell)
         squares = (np.max(np.sum(each**2, axis=-1), axis=1) for each in (down, around))
         return Surfaces(points, np.cross(down, around), np.sqrt(np.maximum(*squares)))
 
     def reordered(self, order: Int[np.ndarray, " point"]) -> "SurfaceGrid":
         """The same points in another order."""
-        tables, angles = self.tables[:, order], self.angles[order]
+        tables, angles = np.take(self.tables, order, axis=1), self.angles[order]
         return SurfaceGrid(self.order, angles, tables, self.weights[order])
 
 
