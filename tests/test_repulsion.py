@@ -30,6 +30,7 @@ from celltrain.evolution.methods.control import GAP_SHARE
 from celltrain.evolution.record.repulsion import repulsion_record
 from celltrain.harmonics import UNIT_DISPLACEMENT, degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.rotation import pole_rotation
 from celltrain.proximity.distances import cell_distance
 from celltrain.surroundings import RoundTube
 
@@ -164,13 +165,19 @@ def test_force_is_minus_the_gradient_of_the_energy(case: str) -> None:
         assert_allclose(total, 0.0, atol=1e-13 * np.abs(found.forces).max())
 
 
-def test_no_point_of_a_film_is_missed(films: FilmForces) -> None:
-    """Of cells within each other, points of all of which are near all others, and an image."""
-    sizes, period = np.array([1.0, 1.02, 1.05]), 2.02
-    shapes = skewed(3)[:1] * sizes[:, None, None]
+@pytest.mark.parametrize("nested", [True, False])
+def test_no_point_of_a_film_is_missed(films: FilmForces, nested: bool) -> None:
+    """Of cells within each other, so that points are near all others and images, and beside."""
+    if nested:
+        period, shapes = 2.02, skewed(3)[:1] * np.array([1.0, 1.02, 1.05])[:, None, None]
+    else:
+        period, shapes = 7.02, with_gap(films, skewed(3), 0.01)
+    # The same surfaces by other parameters: points do not lie on top of each other.
+    angles = jnp.array([0.0, 0.7, 2.0]), jnp.array([0.0, 1.0, -0.5])
+    shapes = np.asarray(pole_rotation(DEGREE).to_pole(jnp.asarray(shapes), *angles))
     grid, dense = films.grid, sphere_grid(DEGREE, 180)
     found = grid.find(shapes, grid.coarse.surfaces(shapes), within=RANGE, period=period)
-    assert len(found.node) > 4 * len(grid.fine.angles)
+    assert len(found.node) > (4 * len(grid.fine.angles) if nested else 20)
     # A cell's own image counts as itself.
     listed: dict[tuple[int, int], set[int]] = {
         (cell, other): set() for cell in range(3) for other in range(3)
@@ -187,8 +194,8 @@ def test_no_point_of_a_film_is_missed(films: FilmForces) -> None:
             distance = tree.query(grid.fine.values @ shapes[cell].T)[0]
             near = np.flatnonzero(distance < 0.98 * RANGE)
             assert listed[cell, other].issuperset(near)
-            assert len(near) > 10
-    assert all(listed.values())
+            facing = nested or {cell, other} in ({0, 1}, {0, 2})
+            assert len(near) >= (5 if facing else 0)
 
 
 def test_no_torque_between_cells(films: FilmForces) -> None:
