@@ -25,11 +25,9 @@ from celltrain.compiled.polar_lanes import (
     FORCE_CHANNELS,
     FORCE_TARGETS,
     LANES,
-    add_forces,
     arrange_tables,
     pair_weights,
-    parts_at_azimuths,
-    sums_over_degrees,
+    sum_forces,
 )
 from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
 
@@ -125,7 +123,7 @@ def _close_forces(frame: int, work: int) -> None:
     turns = np.empty((2, 2, degree, LANES))
     shifted, between = np.empty((size, LANES)), np.empty((size, LANES))
     rotated = np.zeros((2, filled, filled, LANES))
-    sums_by_order = np.empty((2, 2, filled, LANES))
+    by_order = np.empty((2, 2, filled, LANES))
     parts = np.empty((2, 2, LANES))
     targets, sums = np.empty((3, FORCE_TARGETS)), np.empty((3, FORCE_TARGETS))
     level, before, arranged = 0, 0, -1
@@ -152,7 +150,6 @@ def _close_forces(frame: int, work: int) -> None:
             angles[0, lane], angles[1, lane] = poles[pair, 1], poles[pair, 0]
             for i in range(3):
                 targets[i, lane] = points[pair, i]
-                sums[i, lane] = 0.0
             for channel in range(FORCE_CHANNELS):
                 into = channel * FORCE_TARGETS + lane
                 for k in range(size):
@@ -160,13 +157,7 @@ def _close_forces(frame: int, work: int) -> None:
         for angle in range(2):
             _turns(angles[angle], turns[angle, 0], turns[angle, 1])
         _to_pole(quarters, turns, shifted, between, rotated)
-        for r in range(radial):
-            if r % 2 == 0:
-                sums_over_degrees(rotated, latitude[r : r + 2], sums_by_order)
-            for a in range(0, half, 2):
-                at = longitude[a : a + 2]
-                parts_at_azimuths(sums_by_order[r % 2], at, parts[0], parts[1])
-                add_forces(parts, weights[r, a : a + 2], targets, xi, sums)
+        sum_forces(rotated, latitude, longitude, weights, targets, xi, by_order, parts, sums)
         for lane in range(min(FORCE_TARGETS, bounds[level + 1] - first)):
             pair = pair_at[first + lane]
             for i in range(3):

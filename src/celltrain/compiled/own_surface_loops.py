@@ -18,13 +18,11 @@ from celltrain.compiled.polar_lanes import (
     FORCE_CHANNELS,
     FORCE_TARGETS,
     LANES,
-    add_forces,
     arrange_tables,
     pair_weights,
-    parts_at_azimuths,
     rotate,
     shift,
-    sums_over_degrees,
+    sum_forces,
 )
 from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
 
@@ -44,7 +42,7 @@ def _own_forces(frame: int, work: int) -> None:
     targets = numbers(frame, 0).reshape((cells, rings, longitudes, 3))
     coefficients = numbers(frame, 1).reshape((cells, FORCE_CHANNELS, size))
     rotations = numbers(frame, 3).reshape((rings, size, size))
-    by_order = numbers(frame, 4).reshape((orders, radial, degree))
+    tables = numbers(frame, 4).reshape((orders, radial, degree))
     around = numbers(frame, 5).reshape((orders, azimuths))
     xi = numbers(frame, 7)[0]
     found = result(frame).reshape((cells, rings, longitudes, 3))
@@ -55,12 +53,12 @@ def _own_forces(frame: int, work: int) -> None:
     longitude = np.zeros((azimuths + 1, 2, filled))
     turns = np.empty((longitudes, 2, degree))
     weights = np.zeros((radial, half + 1, 2))
-    arrange_tables(by_order, around, numbers(frame, 2), latitude, longitude, turns)
+    arrange_tables(tables, around, numbers(frame, 2), latitude, longitude, turns)
     pair_weights(numbers(frame, 6).reshape((radial, azimuths)), weights)
 
     shifted = np.empty((size, LANES))
     rotated = np.zeros((2, filled, filled, LANES))
-    sums_by_order = np.empty((2, 2, filled, LANES))
+    by_order = np.empty((2, 2, filled, LANES))
     parts = np.empty((2, 2, LANES))
     points, sums = np.empty((3, FORCE_TARGETS)), np.empty((3, FORCE_TARGETS))
     count = cells * longitudes
@@ -73,14 +71,7 @@ def _own_forces(frame: int, work: int) -> None:
                 cell, place = divmod(min(first + lane, count - 1), longitudes)
                 for i in range(3):
                     points[i, lane] = targets[cell, ring, place, i]
-                    sums[i, lane] = 0.0
-            for r in range(radial):
-                if r % 2 == 0:
-                    sums_over_degrees(rotated, latitude[r : r + 2], sums_by_order)
-                for a in range(0, half, 2):
-                    at = longitude[a : a + 2]
-                    parts_at_azimuths(sums_by_order[r % 2], at, parts[0], parts[1])
-                    add_forces(parts, weights[r, a : a + 2], points, xi, sums)
+            sum_forces(rotated, latitude, longitude, weights, points, xi, by_order, parts, sums)
             for lane in range(min(FORCE_TARGETS, count - first)):
                 cell, place = divmod(first + lane, longitudes)
                 for i in range(3):

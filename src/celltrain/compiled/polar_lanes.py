@@ -164,7 +164,7 @@ def _node(values: Any, sign: float, points: Any, i: int, xi: float) -> Any:
 
 
 @njit(fastmath=FAST, error_model="numpy")
-def add_forces(parts: Any, weights: Any, points: Any, xi: float, sums: Any) -> None:
+def _add_forces(parts: Any, weights: Any, points: Any, xi: float, sums: Any) -> None:
     """Add to the velocities what forces at two azimuths and their opposites give.
 
     **Arguments:** `parts`: of shape and force, [azimuth, side, lane]; `weights`: [azimuth, side];
@@ -180,6 +180,32 @@ def add_forces(parts: Any, weights: Any, points: Any, xi: float, sums: Any) -> N
         sums[0, i] += p * a[0] + q * b[0] + r * c[0] + s * d[0]
         sums[1, i] += p * a[1] + q * b[1] + r * c[1] + s * d[1]
         sums[2, i] += p * a[2] + q * b[2] + r * c[2] + s * d[2]
+
+
+@njit(error_model="numpy")
+def sum_forces(
+    rotated: np.ndarray,
+    latitude: np.ndarray,
+    longitude: np.ndarray,
+    weights: np.ndarray,
+    points: np.ndarray,
+    xi: float,
+    by_order: np.ndarray,
+    parts: np.ndarray,
+    sums: np.ndarray,
+) -> None:
+    """Velocities at targets, [component, target], by forces at all nodes about them.
+
+    **Arguments:** `rotated`: of shape and force, as seen from the targets; `weights`: [radial,
+    azimuth, side], filled up by an azimuth; `by_order`, `parts`: room for what lies between.
+    """
+    sums[:] = 0.0
+    for r in range(weights.shape[0]):
+        if r % 2 == 0:
+            sums_over_degrees(rotated, latitude[r : r + 2], by_order)
+        for a in range(0, weights.shape[1] - 1, 2):
+            parts_at_azimuths(by_order[r % 2], longitude[a : a + 2], parts[0], parts[1])
+            _add_forces(parts, weights[r, a : a + 2], points, xi, sums)
 
 
 @njit(fastmath=FAST, error_model="numpy")
