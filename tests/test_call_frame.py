@@ -13,11 +13,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import runtime
-from celltrain.compiled import FORCE_PAIRS, LOOPS_SERVE, NODE_FORCES, STRESSLET_PAIRS, loop
+from celltrain.compiled import FORCE_PAIRS, LOOPS_SERVE, OWN_FORCES, STRESSLET_PAIRS, loop
 from celltrain.compiled.call_frame import differences
 from celltrain.compiled.header import HEADER, Header
-from celltrain.flow.force_sums import force_sums
+from celltrain.flow import OwnSurfaceRule, own_surface_rule
 from celltrain.flow.near import NearPairs, pair_sums
+from celltrain.flow.own_surface import own_velocity
 from celltrain.proximity.close_pairs import LeftOut
 
 XI = 1.1
@@ -26,10 +27,12 @@ TEXT = (INCLUDE / HEADER).read_text()
 
 
 Arrays = tuple[jax.Array, ...]
+OnSurface = tuple[OwnSurfaceRule, jax.Array, jax.Array, jax.Array, jax.Array]
+by_near_pairs = partial(pair_sums, XI)
 
 
-def inputs() -> tuple[tuple[jax.Array | NearPairs, ...], Arrays]:
-    """Of `pair_sums`, with forces and stresslets, and of `force_sums`."""
+def inputs() -> tuple[tuple[jax.Array | NearPairs, ...], OnSurface]:
+    """Of `pair_sums`, with forces and stresslets, and of `own_velocity`."""
     random = np.random.default_rng(5)
     sizes = (3, 4, 3), (2, 6, 3), (2, 6, 3), (2, 6, 6)
     points = [jnp.asarray(random.normal(size=each)) for each in sizes]
@@ -37,16 +40,17 @@ def inputs() -> tuple[tuple[jax.Array | NearPairs, ...], Arrays]:
     rows = jnp.asarray(random.integers(-1, 5, (3, 3, 2)))
     left_out = LeftOut(rows, jnp.asarray(random.random((5, 4)) < 0.3))
     pairs = NearPairs(near, jnp.asarray([0, 1]), left_out)
-    targets, weights = jnp.asarray(random.normal(size=(5, 3))), jnp.asarray(random.random((3, 2)))
-    nodes = jnp.asarray(random.normal(size=(6, 5, 3, 2)))
-    return (*points, jnp.asarray(2.0), pairs), (targets, nodes, weights)
+    rule = own_surface_rule(3, np.array([0.4, 2.0]), radial=3, azimuthal=4, parameter=XI)
+    sizes = (2, 2, 3, 3), (3,), (2, 3, 9), (2, 3, 9)
+    targets, longitudes, shapes, forces = (jnp.asarray(random.normal(size=each)) for each in sizes)
+    on_surface = rule, targets, longitudes, shapes, forces
+    return (*points, jnp.asarray(2.0), pairs), on_surface
 
 
 def sums() -> Arrays:
     """Both sums."""
-    by_pairs, by_nodes = inputs()
-    found = jax.jit(partial(pair_sums, XI))(*by_pairs)
-    return found, jax.jit(partial(force_sums, XI))(*by_nodes)
+    by_pairs, on_surface = inputs()
+    return jax.jit(by_near_pairs)(*by_pairs), jax.jit(own_velocity)(*on_surface)
 
 
 def doctored(folder: Path, text: str) -> Path:
@@ -148,7 +152,7 @@ assert not here["LOOPS_SERVE"]
 assert message.category is RuntimeWarning
 print(message.message)
 by_pairs, _ = here["inputs"]()
-traced = jax.jit(partial(here["pair_sums"], here["XI"])).lower(*by_pairs)
+traced = jax.jit(here["by_near_pairs"]).lower(*by_pairs)
 assert "celltrain_" not in traced.as_text()
 numpy.savez({str(tmp_path / "sums.npz")!r}, *here["sums"]())
 """
@@ -168,13 +172,13 @@ numpy.savez({str(tmp_path / "sums.npz")!r}, *here["sums"]())
 def test_other_platforms_get_formulas(platform: str, monkeypatch: pytest.MonkeyPatch) -> None:
     # As where there is another platform beside the processors.
     monkeypatch.setattr(runtime, "only_processors", lambda: False)
-    by_pairs, by_nodes = inputs()
-    names = (FORCE_PAIRS, STRESSLET_PAIRS, NODE_FORCES)
+    by_pairs, on_surface = inputs()
     for function, given, loops in (
-        (pair_sums, by_pairs, names[:2]),
-        (force_sums, by_nodes, names[2:]),
+        (by_near_pairs, by_pairs, (FORCE_PAIRS, STRESSLET_PAIRS)),
+        (own_velocity, on_surface, (OWN_FORCES,)),
     ):
-        traced = jax.jit(partial(function, XI)).trace(*given)
+        # Of its own, or what another test has traced would be taken.
+        traced = jax.jit(partial(function)).trace(*given)
         here = traced.lower(lowering_platforms=("cpu",)).as_text()
         there = traced.lower(lowering_platforms=(platform,)).as_text()
         for name in loops:
@@ -186,26 +190,27 @@ def test_other_platforms_get_formulas(platform: str, monkeypatch: pytest.MonkeyP
 
 
 def test_no_choice_is_left_to_the_program() -> None:
-    for function, given in zip((pair_sums, force_sums), inputs(), strict=True):
-        program = jax.jit(partial(function, XI)).lower(*given).compile().as_text()
+    for function, given in zip((by_near_pairs, own_velocity), inputs(), strict=True):
+        program = jax.jit(function).lower(*given).compile().as_text()
         assert "custom-call" in program
         assert "conditional(" not in program
 
 
 def test_many_at_once() -> None:
-    _, (targets, nodes, weights) = inputs()
+    _, (rule, targets, *rest) = inputs()
     several = jnp.stack([targets, 2.0 * targets, -targets])
-    found = jax.jit(jax.vmap(lambda each: force_sums(XI, each, nodes, weights)))(several)
-    expected = jnp.stack([force_sums(XI, each, nodes, weights) for each in several])
+    found = jax.jit(jax.vmap(lambda each: own_velocity(rule, each, *rest)))(several)
+    expected = jnp.stack([own_velocity(rule, each, *rest) for each in several])
     assert_allclose(found, expected, rtol=1e-13)
 
 
 def test_arguments_of_another_type_give_nan() -> None:
-    _, given = inputs()
-    parameter = jnp.asarray(XI)
-    found = loop(NODE_FORCES, given[0].shape, *given, parameter)
-    assert np.isfinite(found).all()
-    for number in range(3):
+    _, (rule, targets, longitudes, shapes, forces) = inputs()
+    both = jnp.concatenate([shapes, forces], axis=1)
+    tables = rule.rotations, rule.tables.latitude, rule.tables.longitude, rule.weights
+    given = targets, both, longitudes, *tables, jnp.asarray(XI)
+    assert np.isfinite(loop(OWN_FORCES, targets.shape, *given)).all()
+    for number in range(len(given)):
         other = list(given)
         other[number] = other[number].astype(jnp.float32)
-        assert np.isnan(loop(NODE_FORCES, given[0].shape, *other, parameter)).all()
+        assert np.isnan(loop(OWN_FORCES, targets.shape, *other)).all()

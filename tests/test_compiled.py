@@ -16,7 +16,6 @@ from celltrain.compiled.near_loops import near_parts
 from celltrain.compiled.nearest_loop import _FUNCTIONS, _arranged, _factors, _jet
 from celltrain.flow import own_surface_rule
 from celltrain.flow.close import LevelledPairs, _force_formula, close_rule, force_velocity
-from celltrain.flow.force_sums import _formula, force_sums
 from celltrain.flow.near import NearPairs, _pair_sums_formula, block_sum, pair_sums
 from celltrain.flow.own_surface import (
     _double_layer_formula,
@@ -106,16 +105,6 @@ def test_derivative_of_the_pairs() -> None:
     step = 1e-5
     expected = (sums(step) - sums(-step)) / (2 * step)
     assert_allclose(found, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
-
-
-def test_nodes() -> None:
-    random = np.random.default_rng(6)
-    targets = jnp.asarray(random.normal(size=(2, 3, 3)))
-    nodes = jnp.asarray(random.normal(size=(6, 2, 3, 4, 5)))
-    weights = jnp.asarray(random.random((4, 5)))
-    found = jax.jit(partial(force_sums, XI))(targets, nodes, weights)
-    expected = _formula(XI, targets, nodes, weights)
-    assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
 def test_what_is_no_number_stays_none() -> None:

@@ -1,8 +1,8 @@
 """Compiled loops over the pairs of a target and a source point: the near kernels.
 
-The same sums of the same `kernels` as the formulas in `flow.near` and `flow.force_sums`, but five
-to seven times as fast as XLA's code for these: one pass over the pairs, and no arrays over them.
-They have no derivatives of their own.
+The same sums of the same `kernels` as the formulas in `flow.near`, but five to seven times as fast
+as XLA's code for these: one pass over the pairs, and no arrays over them. They have no derivatives
+of their own.
 """
 
 import math
@@ -14,7 +14,6 @@ from celltrain.compiled.call_frame import (
     FLAGS,
     FLOATS,
     INTEGERS,
-    answered,
     flags,
     handler,
     integers,
@@ -33,9 +32,7 @@ from celltrain.compiled.scaled_erfc import SCALED_ERFC, SCALED_ERFC_MIDDLE
 from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
 
 # Names under which XLA finds the loops.
-FORCE_PAIRS, STRESSLET_PAIRS, NODE_FORCES = (
-    f"celltrain_{name}" for name in ("force_pairs", "stresslet_pairs", "node_forces")
-)
+FORCE_PAIRS, STRESSLET_PAIRS = (f"celltrain_{name}" for name in ("force_pairs", "stresslet_pairs"))
 
 # Sums may be taken in any order; NaN stays NaN.
 FAST = {"contract", "reassoc", "nsz", "arcp"}
@@ -47,7 +44,6 @@ _ERFC, _ERFC_MIDDLE = tuple(SCALED_ERFC[::-1]), SCALED_ERFC_MIDDLE
 _GAUSS = 2.0 / math.sqrt(math.pi)
 # Types of the loops' arguments.
 _PAIR_ARGUMENTS = (FLOATS, FLOATS, FLOATS, FLAGS, INTEGERS, INTEGERS, FLAGS, FLOATS)
-_NODE_ARGUMENTS = (FLOATS, FLOATS, FLOATS, FLOATS)
 
 
 @njit(fastmath=FAST, inline="always", error_model="numpy")
@@ -182,34 +178,3 @@ def _stresslet_pairs_task(work: int) -> int:
 @handler(STRESSLET_PAIRS)
 def _stresslet_pairs_handler(frame: int) -> int:
     return shared(frame, _PAIR_ARGUMENTS, task_address(STRESSLET_PAIRS))
-
-
-@njit(fastmath=FAST, error_model="numpy")
-def _node_forces(
-    x: float, y: float, z: float, points: Any, forces: Any, place: int, weights: Any, xi: float
-) -> Any:
-    u = v = w = 0.0
-    for s in range(weights.size):
-        d = (x - points[0, place, s], y - points[1, place, s], z - points[2, place, s])
-        parts = near_parts(squared(d), xi)
-        force = (forces[0, place, s], forces[1, place, s], forces[2, place, s])
-        by = stokeslet(stokeslet_scalars(parts[0], parts[1], parts[2]), d, force)
-        u += weights[s] * by[0]
-        v += weights[s] * by[1]
-        w += weights[s] * by[2]
-    return u, v, w
-
-
-@handler(NODE_FORCES)
-def _node_forces_handler(frame: int) -> int:
-    if answered(frame, _NODE_ARGUMENTS):
-        return 0
-    weights, xi = numbers(frame, 2), numbers(frame, 3)[0]
-    targets = numbers(frame, 0).reshape((-1, 3))
-    values = numbers(frame, 1).reshape((6, targets.shape[0], weights.size))
-    sums = result(frame).reshape((-1, 3))
-    for t in range(targets.shape[0]):
-        x, y, z = targets[t]
-        u, v, w = _node_forces(x, y, z, values[:3], values[3:], t, weights, xi)
-        sums[t, 0], sums[t, 1], sums[t, 2] = u, v, w
-    return 0

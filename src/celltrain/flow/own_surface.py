@@ -26,7 +26,7 @@ from celltrain.compiled.kernels import (
     stresslet_matrix,
 )
 from celltrain.flow.ewald import near_stress_scalars
-from celltrain.flow.force_sums import force_sums
+from celltrain.flow.polar import force_sums
 from celltrain.harmonics import degree_of, polar_nodes
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.longitude import shift_longitude, unshift_longitude

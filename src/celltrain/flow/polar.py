@@ -22,6 +22,7 @@ from celltrain.compiled.kernels import (
     cross,
     dot,
     squared,
+    stokeslet,
     stokeslet_gradient,
     stokeslet_matrix,
     stokeslet_slopes,
@@ -31,7 +32,6 @@ from celltrain.compiled.kernels import (
     stresslet_slopes,
 )
 from celltrain.flow.ewald import near_scalars, near_stress_scalars
-from celltrain.flow.force_sums import force_sums
 from celltrain.harmonics.polar import PolarTables
 from celltrain.harmonics.rotation import PoleRotation
 
@@ -122,6 +122,19 @@ def _polar_velocity_jvp(primals, tangents):  # type: ignore[no-untyped-def]
             # The velocity is linear in all but the shapes.
             value += jnp.einsum("pijk,pjk->pi", rows, channels[number])
     return value, change
+
+
+def force_sums(
+    parameter: float,
+    targets: Float[Array, "*target 3"],
+    nodes: Float[Array, "6 *target radial azimuthal"],
+    weights: Float[Array, "radial azimuthal"],
+) -> Float[Array, "*target 3"]:
+    """sum_s w_s G_near(x - y_s) f_s, of places y and forces f per solid angle at the nodes."""
+    d = [targets[..., i, None, None] - nodes[i] for i in range(3)]
+    force = nodes[3:] * weights
+    parts = stokeslet(near_scalars(squared(d), parameter), d, force)
+    return jnp.stack([jnp.sum(part, axis=(-2, -1)) for part in parts], axis=-1)
 
 
 def density_rows(
