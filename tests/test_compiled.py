@@ -1,5 +1,6 @@
 """Compiled loops compute what the formulas say, which give their derivatives."""
 
+import math
 from functools import partial
 
 import equinox as eqx
@@ -7,13 +8,19 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from numba import njit
 from numpy.testing import assert_allclose
 from scipy.special import erfc
 
 from celltrain.clock import compilation
-from celltrain.compiled import nearest_on_host
-from celltrain.compiled.near_loops import near_parts
-from celltrain.compiled.nearest_loop import _FUNCTIONS, _arranged, _factors, _jet
+from celltrain.compiled.nearest_search import (
+    FUNCTIONS,
+    _jet,
+    arranged_shapes,
+    nearest_on_host,
+    search_factors,
+)
+from celltrain.compiled.pairs import near_parts
 from celltrain.flow import own_surface_rule
 from celltrain.flow.close import LevelledPairs, _force_formula, close_rule, force_velocity
 from celltrain.flow.near import NearPairs, _pair_sums_formula, block_sum, pair_sums
@@ -53,9 +60,14 @@ def near_pairs(*, left_out: bool) -> NearPairs:
     return NearPairs(near, jnp.asarray([0, 1, 0, 1]), some if left_out else None)
 
 
+@njit
+def _parts(square: float) -> tuple[float, float, float]:
+    return near_parts(square, XI)
+
+
 @pytest.mark.parametrize("square", [1e-8, 0.01, 0.5, 3.0, 12.0, 50.0])
 def test_parts_of_the_near_kernel(square: float) -> None:
-    screened, gauss, inverse = near_parts(square, XI)
+    screened, gauss, inverse = _parts(square)
     r = np.sqrt(square)
     # Relative to the free kernel, which is what errors are measured by.
     assert_allclose(screened * r, erfc(XI * r), rtol=0, atol=1e-12)
@@ -241,6 +253,15 @@ def test_nearest_points_by_the_loop(degree: int) -> None:
     assert_allclose(on_host[:, :3], expected, rtol=0, atol=0)
 
 
+@njit
+def _derivatives(theta: float, phi: float, shape: np.ndarray) -> np.ndarray:
+    degree = round(math.sqrt(shape.shape[2]))
+    functions, jet = np.zeros((FUNCTIONS, degree + 1, degree)), np.zeros((6, 3))
+    factors, arranged = search_factors(degree), arranged_shapes(shape, degree)
+    _jet(theta, phi, arranged[0], factors, functions, jet)
+    return jet
+
+
 def test_derivatives_of_a_surface_by_the_loop() -> None:
     """Beside those from the coefficients seen from the pole, also at both poles."""
     degree, random = 8, np.random.default_rng(9)
@@ -252,8 +273,6 @@ def test_derivatives_of_a_surface_by_the_loop() -> None:
         jnp.repeat(jnp.asarray(shape), theta.size, axis=0), jnp.asarray(theta), jnp.asarray(phi)
     )
     expected = jnp.einsum("jk,pik->pji", search.jet, seen)
-    factors, arranged = _factors(degree), _arranged(shape, degree)
-    functions, jet = np.zeros((_FUNCTIONS, degree + 1, degree)), np.zeros((6, 3))
     for place, values in enumerate(np.asarray(expected)):
-        _jet(theta[place], phi[place], arranged[0], factors, functions, jet)
+        jet = _derivatives(theta[place], phi[place], shape)
         assert_allclose(jet, values, rtol=0, atol=1e-11 * np.abs(values).max())

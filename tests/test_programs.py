@@ -5,6 +5,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -79,6 +80,20 @@ def test_the_next_process_does_not_trace_and_finds_the_same(folder: Path) -> Non
     # Other numbers in the arrays are other data for the same program.
     other = Program(spectrum)(pair(second=7.0), 2)
     assert (traced, float(other.second["given"])) == (["some"], 7.0)
+
+
+def test_what_a_program_calls_is_made_before_it_is_loaded(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[str] = []
+    monkeypatch.setattr(programs, "_makers", {})
+    for name in ("lapack_dsyevd", "never_called"):
+        programs.offer(name, partial(made.append, name))
+    Program(spectrum)(pair(), 2)
+    # Who traces it asks for that by itself.
+    assert made == []
+    Program(spectrum)(pair(), 2)
+    assert (made, traced) == (["lapack_dsyevd"], ["some"])
 
 
 def test_within_a_process_it_is_looked_for_once(

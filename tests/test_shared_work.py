@@ -12,22 +12,37 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from numba import njit
 
 from celltrain.compiled import loop
-from celltrain.compiled.call_frame import FLOATS, answered, handler, numbers, result, words
-from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
+from celltrain.compiled.call_frame import (
+    FLOATS,
+    answered,
+    handler,
+    numbers,
+    result,
+    set_word,
+    word,
+)
+from celltrain.compiled.shared_work import (
+    address_of,
+    frame_of,
+    help_with,
+    next_part,
+    shared,
+    task,
+)
 
-COUNTING, SEEING = "celltrain_test_counting", "celltrain_test_seeing"
+COUNTING, MARKING, SEEING = (f"celltrain_test_{name}" for name in ("counting", "marking", "seeing"))
 PARTS = 97
 
 
-#: Words of the work: who computes, whether it is closed, who holds it.
-COMPUTING, CLOSED, HOLDERS = 2, 3, 4
+#: Words of the work: the frame, the loop, who computes, whether it is closed, who holds it.
+FRAME, LOOP, COMPUTING, CLOSED, HOLDERS, WORDS = 0, 1, 3, 4, 5, 6
 
 
-@njit
-def _count(frame: int, work: int) -> None:
+@task(COUNTING)
+def _count(work: int) -> int:
+    frame = frame_of(work)
     given, found = numbers(frame, 0), result(frame)
     part = next_part(work)
     while part < found.size:
@@ -36,52 +51,40 @@ def _count(frame: int, work: int) -> None:
             value = math.cos(value)
         found[part] += 1.0 + 0.0 * value
         part = next_part(work)
+    return 0
 
 
-@task(COUNTING)
-def _counting_task(work: int) -> int:
-    return computed(_count, work)
-
-
-@handler(COUNTING)
-def _counting_handler(frame: int) -> int:
-    if not answered(frame, (FLOATS,)):
+@handler(COUNTING, (FLOATS,))
+def _count_handler(frame: int) -> int:
+    if not answered(frame):
         result(frame)[:] = 0.0
-    return shared(frame, (FLOATS,), task_address(COUNTING))
+    return shared(frame, address_of(COUNTING))
 
 
-@njit
-def _mark(frame: int, work: int) -> None:
-    words(frame, 1)[0] = 1
-
-
-@njit
-def _computing(work: int) -> int:
-    return words(work, 5)[COMPUTING]
-
-
-@njit
-def _see(frame: int, work: int) -> None:
-    found = result(frame)
-    part = next_part(work)
-    while part < found.size:
-        for _ in range(2000):
-            now = _computing(work)
-            if now > found[part]:
-                found[part] = now
-        part = next_part(work)
+@task(MARKING)
+def _mark(work: int) -> int:
+    set_word(frame_of(work), 1)
+    return 0
 
 
 @task(SEEING)
-def _seeing_task(work: int) -> int:
-    return computed(_see, work)
+def _see(work: int) -> int:
+    found = result(frame_of(work))
+    part = next_part(work)
+    while part < found.size:
+        for _ in range(2000):
+            now = word(work + 8 * COMPUTING)
+            if now > found[part]:
+                found[part] = now
+        part = next_part(work)
+    return 0
 
 
-@handler(SEEING)
-def _seeing_handler(frame: int) -> int:
-    if not answered(frame, (FLOATS,)):
+@handler(SEEING, (FLOATS,))
+def _see_handler(frame: int) -> int:
+    if not answered(frame):
         result(frame)[:] = 0.0
-    return shared(frame, (FLOATS,), task_address(SEEING))
+    return shared(frame, address_of(SEEING))
 
 
 @jax.jit
@@ -104,9 +107,9 @@ def test_every_part_once() -> None:
 @pytest.mark.parametrize("closed", [False, True])
 def test_nothing_is_computed_of_closed_work(closed: bool) -> None:
     """Nor is it looked at what the frame was; the thread lets the work go all the same."""
-    frame, work = np.zeros(1, dtype=int), np.zeros(5, dtype=int)
-    work[[0, CLOSED, HOLDERS]] = frame.ctypes.data, closed, 3
-    computed(_mark, work.ctypes.data)
+    frame, work = np.zeros(1, dtype=int), np.zeros(WORDS, dtype=int)
+    work[[FRAME, LOOP, CLOSED, HOLDERS]] = frame.ctypes.data, _mark.address, closed, 3
+    help_with.ctypes(work.ctypes.data)
     assert frame[0] == (not closed)
     assert (work[COMPUTING], work[HOLDERS]) == (0, 2)
 

@@ -118,13 +118,27 @@ class Program(Generic[Arguments, Result]):
         # loaded cannot be written whole again.
         over_arrays.__name__ = f"{self._function.__name__}_{key}"
         before = _loads.number
-        compiled = jax.jit(over_arrays).lower(arrays).compile()
+        lowered = jax.jit(over_arrays).lower(arrays)
+        compiled = lowered.compile()
         if _loads.number == before:
-            _keep(path, compiled, outcome[0])
+            _keep(path, compiled, outcome[0], _called_in(lowered.as_text()))
         for same in folder.glob(f"jit_{escape(over_arrays.__name__)}-*"):
             with suppress(OSError):
                 same.unlink()
         return compiled, outcome[0]
+
+
+_makers: dict[str, Callable[[], object]] = {}
+
+
+def offer(name: str, make: Callable[[], object]) -> None:
+    """Have something made that programs call by a name, before one of them is loaded."""
+    _makers[name] = make
+
+
+def _called_in(text: str) -> tuple[str, ...]:
+    """Names of what a program's text calls."""
+    return tuple(name for name in _makers if name in text)
 
 
 class _Loads:
@@ -233,7 +247,9 @@ def _load(path: Path, arrays: list[Any]) -> _Loaded | None:
     _load_lapack()
     try:
         # It has a checksum.
-        executable, result = pickle.loads(zlib.decompress(packed))
+        executable, result, called = pickle.loads(zlib.decompress(packed))
+        for name in called:
+            _makers[name]()
         inward = jax.tree.structure(((arrays,), {}))
         outward = jax.tree.structure([0] * len(jax.tree.leaves(result)))
         loaded = deserialize_and_load(executable, inward, outward)
@@ -252,14 +268,19 @@ def _load_lapack() -> None:
     jax.jit(jax.lax.linalg.cholesky).lower(jax.ShapeDtypeStruct((1, 1), float))
 
 
-def _keep(path: Path, compiled: jax.stages.Compiled, result: PyTree) -> None:
-    """Write a program, and remove those not used for longest; nothing where that cannot be."""
+def _keep(
+    path: Path, compiled: jax.stages.Compiled, result: PyTree, called: tuple[str, ...]
+) -> None:
+    """Write a program, and remove those not used for longest; nothing where that cannot be.
+
+    `called`: names of what it calls.
+    """
     part = path.with_name(f"{path.name}.{os.getpid()}")
     if _changed_since():
         return
     try:
         executable = serialize(compiled)[0]
-        packed = zlib.compress(pickle.dumps((executable, result)), level=1)
+        packed = zlib.compress(pickle.dumps((executable, result, called)), level=1)
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             part.write_bytes(packed)

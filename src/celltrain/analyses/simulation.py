@@ -41,7 +41,7 @@ from celltrain.version import __version__
 
 DEFAULT_AMPLITUDE = 0.1
 # Nothing else can be told until the first step is done.
-_BEGINS = "simulation: getting ready; the first on a machine compiles its programs, up to a minute"
+_BEGINS = "simulation: getting ready; the first on a machine compiles its programs, half a minute"
 POSITIVE, NOT_NEGATIVE = "numbers > 0", "numbers >= 0"
 _STATUS = {
     **dict.fromkeys(("complete", "steps", "running"), ExitStatus.DONE),
@@ -137,14 +137,18 @@ class Simulation(WrittenMeanwhile[Run]):
             ComputationFailed: if the disturbed train has no velocity.
             NotConverged: if there is no steady train.
         """
-        from celltrain.evolution import evolve  # JAX
+        from celltrain.compiled.ahead import compile_ahead  # JAX
 
         assert self.until is not None
         disturbance = self._disturbance()
         train = _at_own_degree(train)
+        compile_ahead(train.flow.viscosity_ratio)
         dynamic = _is_linear(disturbance) or _is_known(start, train)
         known = (_linear_dynamics if dynamic else _steady)(train, start, progress)
         progress.log(_BEGINS)
+        # Only now: it wants loops, of which some have been compiled meanwhile.
+        from celltrain.evolution import evolve
+
         try:
             return evolve(
                 known,

@@ -8,16 +8,28 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import float64, int64, njit, types
 
 from celltrain.compiled.kernels import cross, dot, squared
-from celltrain.compiled.near_loops import FAST
+from celltrain.compiled.parts import FAST, part
 
 #: Half the largest curvature of a membrane, 1/r0, that a search for what is near allows for.
 BEND = 3.0
+#: Types of the arguments of the functions below.
+FACING_TYPES = (float64[:, :, ::1], float64[:, :, ::1], int64[::1], float64, float64[::1])
+CLOSE_TYPES = (
+    float64[:, :, ::1],
+    int64[::1],
+    float64[:, :, ::1],
+    int64[::1],
+    float64[:, :, ::1],
+    int64[:, ::1],
+    float64,
+    types.UniTuple(float64, 3),
+)
 
 
-@njit(error_model="numpy")
+@part()
 def _spheres(points: Any, starts: Any) -> Any:
     """Middle and radius of each block of points [cell, point, 3]."""
     cells, blocks = points.shape[0], starts.size - 1
@@ -29,7 +41,7 @@ def _spheres(points: Any, starts: Any) -> Any:
     return middle, radius
 
 
-@njit(error_model="numpy")
+@part()
 def _sphere(points: Any, middle: Any) -> float:
     """Radius of the sphere about the mean of points [point, 3], which is written to `middle`."""
     middle[:] = 0.0
@@ -77,12 +89,12 @@ def facing_on_host(points: Any, normals: Any, starts: Any, within: float, far: A
     return found
 
 
-@njit(inline="always", error_model="numpy")
+@part(inline="always")
 def _apart(a: Any, b: Any) -> Any:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@njit(error_model="numpy")
+@part()
 def _near(middle: Any, radius: Any, pairs: Any, period: float, reach: float) -> Any:
     """Which blocks [cell, block] are within the reach of one of the other cell of a pair."""
     near = np.zeros(radius.shape, dtype=np.bool_)
@@ -97,18 +109,18 @@ def _near(middle: Any, radius: Any, pairs: Any, period: float, reach: float) -> 
     return near
 
 
-@njit(error_model="numpy")
+@part()
 def _shift(image: int, period: float) -> float:
     return image * period if image != 0 else 0.0
 
 
-@njit(error_model="numpy")
+@part()
 def _squared_apart(a: Any, b: Any, shift: float) -> float:
     """Square of the distance of a from b, which is displaced along z."""
     return squared((a[0] - b[0], a[1] - b[1], a[2] - b[2] - shift))
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def _at(table: Any, shape: Any, place: Any) -> None:
     """What harmonics [k] at a point make of a shape [3, k]."""
     x = y = z = 0.0
@@ -119,7 +131,7 @@ def _at(table: Any, shape: Any, place: Any) -> None:
     place[0], place[1], place[2] = x, y, z
 
 
-@njit(error_model="numpy")
+@part()
 def _likely(away: Any, square: float, normal: Any, within: float) -> bool:
     """Whether a point may be within a distance of a surface, from its nearest point of a grid.
 
@@ -233,9 +245,11 @@ def close_on_host(
     return found[:total], seen[:total]
 
 
-@njit(error_model="numpy")
+@part()
 def _longer(rows: Any) -> Any:
     """The same rows and room for as many more."""
     longer = np.empty((2 * rows.shape[0], rows.shape[1]), rows.dtype)
-    longer[: rows.shape[0]] = rows
+    for row in range(rows.shape[0]):
+        for column in range(rows.shape[1]):
+            longer[row, column] = rows[row, column]
     return longer

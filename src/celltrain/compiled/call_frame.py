@@ -5,17 +5,17 @@ XLA calls a C function with one argument, the address of a frame of 64-bit words
 interface, or 0.4, which takes what was written for 0.3 and has another name for one structure).
 Before the first call it asks for the version that the function was written for. A loop is
 
-    @handler("name")
+    @handler("name", (FLOATS,))
     def loop(frame_address):
-        if not answered(frame_address, (FLOATS,)):
-            values = numbers(frame_address, 0)
-            result(frame_address)[:] = ...
+        if not answered(frame_address):
+            values, found = numbers(frame_address, 0), result(frame_address)
+            ...
         return 0
 
-which `dispatch.compiled_or_plain` calls. Arrays are handed over flat, in C order; a loop must not
-raise. Numba keeps the machine code beside the source files, or in its cache folder where these
-cannot be written; after a change in this module or in what the loops share (`kernels`,
-`near_loops`, `polar_lanes`, `shared_work`) remove it.
+which `dispatch.loop` calls, for arguments of the types given. Arrays are handed over flat, in C
+order; a loop must not raise. Numba keeps the machine code beside the source files, or in its cache
+folder where these cannot be written; after a change in this module or in what the loops share
+(`kernels`, `pairs`, `parts`, `polar_lanes`, `shared_work`) remove it.
 
 All numbers below are compared with the header when this module is imported. Where they differ from
 it, or the machine is not one of 64 bits with the lowest byte first, no loop is compiled or used.
@@ -31,30 +31,34 @@ from typing import Any, TypeAlias
 
 import jax
 import numpy as np
-from numba import carray, cfunc, njit, types
+from llvmlite import ir
+from numba import carray, cfunc, types
 from numba.extending import intrinsic
 
 import celltrain.runtime  # noqa: F401
 from celltrain.compiled.header import HEADER, Header
+from celltrain.compiled.parts import part
 
 #: Address of the frame -> address of an error, 0 for none.
 Loop: TypeAlias = Callable[[int], int]
 _SIGNATURE = types.int64(types.int64)
 
+# Types of arguments.
+FLOATS, INTEGERS, FLAGS = np.dtype(np.float64), np.dtype(np.int64), np.dtype(np.bool_)
+#: Those of each loop's arguments, by its name.
+ARGUMENTS: dict[str, tuple[np.dtype[Any], ...]] = {}
+
 # Words of the frame: what extends it, and the lists of the arguments' and results' addresses.
-_EXTENSION, _ARGUMENTS, _RESULTS, _FRAME_WORDS = 1, 9, 14, 22
+_EXTENSION, _ARGUMENTS, _RESULTS = 1, 9, 14
 # Words of the frame again: the functions that XLA offers, and what they are told who calls; among
 # those functions, what lets a thread run a task, and how many threads there are.
 API, CONTEXT, SCHEDULE, NUMBER_OF_THREADS = 2, 3, 17, 18
-# Words of a buffer: type (half a word), address of its data, number of its axes, address of their
-# sizes.
-_TYPE, _DATA, _RANK, _SIZES, _BUFFER_WORDS = 2, 3, 4, 5, 6
-# Types of arguments: 64-bit floats, 64-bit integers, truth values.
-FLOATS, INTEGERS, FLAGS = 12, 5, 1
+# Words of a buffer: address of its data, number of its axes, address of their sizes.
+_DATA, _RANK, _SIZES = 3, 4, 5
 # Words of what extends a frame: its kind (half a word), of which one is the question for the
 # version, and the address of the answer; words of the answer.
 _KIND, _QUESTION, _ANSWER = 1, 1, 3
-_VERSION, _TRAITS, _ANSWER_WORDS = 3, 4, 5
+_VERSION, _TRAITS = 3, 4
 _MAJOR, _MINOR = 0, 3
 # Versions that take what was written for the first, and their names of what extends a frame.
 _MINORS = {3: "XLA_FFI_Extension_Base", 4: "XLA_FFI_InternalExtension"}
@@ -64,9 +68,6 @@ _MINORS = {3: "XLA_FFI_Extension_Base", 4: "XLA_FFI_InternalExtension"}
 _BY_NAME = {
     "XLA_FFI_API_MAJOR": _MAJOR,
     "XLA_FFI_Extension_Metadata": _QUESTION,
-    "XLA_FFI_DataType_F64": FLOATS,
-    "XLA_FFI_DataType_S64": INTEGERS,
-    "XLA_FFI_DataType_PRED": FLAGS,
 }
 _PLACES: dict[tuple[str, str], float] = {
     ("XLA_FFI_CallFrame", "extension_start"): _EXTENSION,
@@ -81,7 +82,6 @@ _PLACES: dict[tuple[str, str], float] = {
     ("XLA_FFI_ThreadPool_NumThreads_Args", "num_threads"): 3,
     ("XLA_FFI_CallFrame", "args.args"): _ARGUMENTS,
     ("XLA_FFI_CallFrame", "rets.rets"): _RESULTS,
-    ("XLA_FFI_Buffer", "dtype"): _TYPE,
     ("XLA_FFI_Buffer", "data"): _DATA,
     ("XLA_FFI_Buffer", "rank"): _RANK,
     ("XLA_FFI_Buffer", "dims"): _SIZES,
@@ -142,6 +142,27 @@ if not LOOPS_SERVE:
 
 
 @intrinsic
+def word(typing_context: Any, address: Any) -> Any:
+    """The 64-bit word at an address."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.load(builder.inttoptr(arguments[0], ir.IntType(64).as_pointer()))
+
+    return types.int64(types.int64), generate
+
+
+@intrinsic
+def set_word(typing_context: Any, address: Any, value: Any) -> Any:
+    """Write the 64-bit word at an address."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        builder.store(arguments[1], builder.inttoptr(arguments[0], ir.IntType(64).as_pointer()))
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64), generate
+
+
+@intrinsic
 def _pointer(typing_context: Any, address: Any) -> Any:
     """The address as a pointer."""
 
@@ -151,114 +172,107 @@ def _pointer(typing_context: Any, address: Any) -> Any:
     return types.voidptr(types.int64), generate
 
 
-@njit
-def words(address: int, count: int) -> np.ndarray:
-    """So many 64-bit words from an address on."""
-    return carray(_pointer(address), (count,), np.int64)
-
-
-@njit
-def answered(frame: int, kinds: tuple[int, ...]) -> bool:
-    """Whether a frame wants nothing computed, and has got what it wants.
-
-    It asks for the version of the interface, or its arguments are not of these types: then its
-    result becomes NaN.
-    """
-    if _is_question(frame):
-        _describe(frame)
-        return True
-    if not _fits(frame, kinds):
-        result(frame)[:] = np.nan
-        return True
-    return False
-
-
-@njit
-def _is_question(frame: int) -> bool:
-    extension = words(frame, _FRAME_WORDS)[_EXTENSION]
-    return extension != 0 and words(extension, _KIND + 1)[_KIND] & 0xFFFFFFFF == _QUESTION
-
-
-@njit
-def _describe(frame: int) -> None:
-    extension = words(words(frame, _FRAME_WORDS)[_EXTENSION], _ANSWER + 1)
-    answer = words(extension[_ANSWER], _ANSWER_WORDS)
-    answer[_VERSION] = _MAJOR | (_MINOR << 32)
-    answer[_TRAITS] = 0
-
-
-@njit
-def _buffer(frame: int, place: int, number: int) -> np.ndarray:
-    listed = words(words(frame, _FRAME_WORDS)[place], number + 1)
-    return words(listed[number], _BUFFER_WORDS)
-
-
-@njit
-def _fits(frame: int, kinds: tuple[int, ...]) -> bool:
-    for number in range(len(kinds)):
-        if _buffer(frame, _ARGUMENTS, number)[_TYPE] & 0xFFFFFFFF != kinds[number]:
-            return False
+@part()
+def answered(frame: int) -> bool:
+    """Whether a frame asks for the version of the interface only, and has got it."""
+    extension = word(frame + 8 * _EXTENSION)
+    if extension == 0 or word(extension + 8 * _KIND) & 0xFFFFFFFF != _QUESTION:
+        return False
+    answer = word(extension + 8 * _ANSWER)
+    set_word(answer + 8 * _VERSION, _MAJOR | (_MINOR << 32))
+    set_word(answer + 8 * _TRAITS, 0)
     return True
 
 
-@njit
-def sizes(frame: int, number: int) -> np.ndarray:
-    """Sizes of the axes of an argument."""
-    buffer = _buffer(frame, _ARGUMENTS, number)
-    return words(buffer[_SIZES], buffer[_RANK])
+# Numba compiles a function anew for each constant it is called with, unless the call is replaced by
+# the function's lines; addresses are no constants.
+@part(inline="always")
+def _argument(frame: int, number: int) -> int:
+    return word(word(frame + 8 * _ARGUMENTS) + 8 * number)
 
 
-@njit
-def _count(buffer: np.ndarray) -> int:
+@part()
+def _sizes(buffer: int) -> np.ndarray:
+    return carray(_pointer(word(buffer + 8 * _SIZES)), (word(buffer + 8 * _RANK),), np.int64)
+
+
+@part()
+def _count(buffer: int) -> int:
     count = 1
-    for size in words(buffer[_SIZES], buffer[_RANK]):
-        count *= size
+    for axis in range(word(buffer + 8 * _RANK)):
+        count *= word(word(buffer + 8 * _SIZES) + 8 * axis)
     return count
 
 
-@njit
+@part()
+def _numbers(buffer: int) -> np.ndarray:
+    return carray(_pointer(word(buffer + 8 * _DATA)), (_count(buffer),), np.float64)
+
+
+@part()
+def _integers(buffer: int) -> np.ndarray:
+    return carray(_pointer(word(buffer + 8 * _DATA)), (_count(buffer),), np.int64)
+
+
+@part()
+def _flags(buffer: int) -> np.ndarray:
+    return carray(_pointer(word(buffer + 8 * _DATA)), (_count(buffer),), np.uint8)
+
+
+@part(inline="always")
+def sizes(frame: int, number: int) -> np.ndarray:
+    """Sizes of the axes of an argument."""
+    return _sizes(_argument(frame, number))
+
+
+@part(inline="always")
 def numbers(frame: int, number: int) -> np.ndarray:
     """An argument of 64-bit floats, flat."""
-    buffer = _buffer(frame, _ARGUMENTS, number)
-    return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.float64)
+    return _numbers(_argument(frame, number))
 
 
-@njit
+@part(inline="always")
 def integers(frame: int, number: int) -> np.ndarray:
     """An argument of 64-bit integers, flat."""
-    buffer = _buffer(frame, _ARGUMENTS, number)
-    return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.int64)
+    return _integers(_argument(frame, number))
 
 
-@njit
+@part(inline="always")
 def flags(frame: int, number: int) -> np.ndarray:
     """An argument of truth values, flat, as bytes."""
-    buffer = _buffer(frame, _ARGUMENTS, number)
-    return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.uint8)
+    return _flags(_argument(frame, number))
 
 
-@njit
+@part(inline="always")
 def result(frame: int) -> np.ndarray:
     """The result, 64-bit floats, flat."""
-    buffer = _buffer(frame, _RESULTS, 0)
-    return carray(_pointer(buffer[_DATA]), (_count(buffer),), np.float64)
+    return _numbers(word(word(frame + 8 * _RESULTS)))
 
 
-def handler(name: str) -> Callable[[Loop], Loop]:
-    """Compile a loop, and let XLA find it by its name, on processors, if loops serve here."""
+def handler(name: str, arguments: tuple[np.dtype[Any], ...]) -> Callable[[Loop], Loop]:
+    """Compile a loop, and let XLA find it by its name, on processors, if loops serve here.
+
+    `arguments`: their types.
+    """
 
     def compiled(loop: Loop) -> Loop:
         if not LOOPS_SERVE:
             return loop
-        try:
-            made = cfunc(_SIGNATURE, cache=True)(loop)
-        except RuntimeError:
-            # Nowhere to keep the machine code: it is made anew in every process.
-            made = cfunc(_SIGNATURE)(loop)
+        made = c_function(loop)
         make_capsule = ctypes.pythonapi.PyCapsule_New
         make_capsule.restype = ctypes.py_object
         make_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
         jax.ffi.register_ffi_target(name, make_capsule(made.address, None, None), platform="cpu")
+        ARGUMENTS[name] = arguments
         return made
 
     return compiled
+
+
+def c_function(function: Loop) -> Any:
+    """The function compiled for who knows its address, which is kept if it can be."""
+    try:
+        return cfunc(_SIGNATURE, cache=True)(function)
+    except RuntimeError:
+        # Nowhere to keep the machine code: it is made anew in every process.
+        return cfunc(_SIGNATURE)(function)

@@ -9,7 +9,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from celltrain.compiled.call_frame import (
     FLOATS,
@@ -20,7 +19,8 @@ from celltrain.compiled.call_frame import (
     result,
     sizes,
 )
-from celltrain.compiled.near_loops import FAST
+from celltrain.compiled.loops import CLOSE_FORCES
+from celltrain.compiled.parts import FAST, part
 from celltrain.compiled.polar_lanes import (
     FORCE_CHANNELS,
     FORCE_TARGETS,
@@ -29,15 +29,12 @@ from celltrain.compiled.polar_lanes import (
     pair_weights,
     sum_forces,
 )
-from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
-
-#: Name under which XLA finds the loop.
-CLOSE_FORCES = "celltrain_close_forces"
+from celltrain.compiled.shared_work import address_of, frame_of, next_part, shared, task
 
 _ARGUMENTS = (FLOATS, FLOATS, INTEGERS, FLOATS, INTEGERS, INTEGERS, *(FLOATS,) * 5)
 
 
-@njit(error_model="numpy")
+@part()
 def _turns(angles: Any, cosine: Any, sine: Any) -> None:
     """cos(m a) and sin(m a) of each target's angle, [order, lane]."""
     for m in range(cosine.shape[0]):
@@ -48,7 +45,7 @@ def _turns(angles: Any, cosine: Any, sine: Any) -> None:
                 sine[m, channel * FORCE_TARGETS + target] = odd
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def _turn(values: Any, cosine: Any, sine: Any) -> None:
     """Coefficients [k, lane] with the longitude of each target brought to 0, in place."""
     degree = cosine.shape[0]
@@ -62,7 +59,7 @@ def _turn(values: Any, cosine: Any, sine: Any) -> None:
                 other[i] = even[i] * b - odd[i] * a
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def _rotated_row(matrix: Any, row: int, n: int, given: Any, sums: Any) -> None:
     """One row of a rotation, which does not mix degrees, times coefficients [k, lane]."""
     sums[:] = 0.0
@@ -72,7 +69,7 @@ def _rotated_row(matrix: Any, row: int, n: int, given: Any, sums: Any) -> None:
             sums[i] += amount * given[column, i]
 
 
-@njit(error_model="numpy")
+@part()
 def _to_pole(quarters: Any, turns: Any, given: Any, between: Any, rotated: Any) -> None:
     """Coefficients [k, lane] seen from each target's pole, [cosine or sine, order, n, lane].
 
@@ -91,9 +88,10 @@ def _to_pole(quarters: Any, turns: Any, given: Any, between: Any, rotated: Any) 
             _rotated_row(quarters[1], n * n + n + m, n, between, into)
 
 
-@njit(error_model="numpy")
-def _close_forces(frame: int, work: int) -> None:
+@task(CLOSE_FORCES)
+def _close_forces(work: int) -> int:
     """Parts: so many pairs of one level of distance."""
+    frame = frame_of(work)
     pairs, _ = sizes(frame, 0)
     cells, _, size = sizes(frame, 3)
     levels, orders, radial, degree = sizes(frame, 8)
@@ -103,8 +101,10 @@ def _close_forces(frame: int, work: int) -> None:
     cell_of, pair_at, bounds = integers(frame, 2), integers(frame, 4), integers(frame, 5)
     coefficients = numbers(frame, 3).reshape((cells, FORCE_CHANNELS, size))
     quarters = np.empty((2, size, size))
-    quarters[0] = numbers(frame, 6).reshape((size, size))
-    quarters[1] = quarters[0].T
+    quarter = numbers(frame, 6).reshape((size, size))
+    for row in range(size):
+        for column in range(size):
+            quarters[0, row, column] = quarters[1, column, row] = quarter[row, column]
     around = numbers(frame, 9).reshape((orders, azimuths))
     by_level = numbers(frame, 8).reshape((levels, orders, radial, degree))
     given_weights = numbers(frame, 7).reshape((levels, radial))
@@ -127,12 +127,12 @@ def _close_forces(frame: int, work: int) -> None:
     parts = np.empty((2, 2, LANES))
     targets, sums = np.empty((3, FORCE_TARGETS)), np.empty((3, FORCE_TARGETS))
     level, before, arranged = 0, 0, -1
-    part = next_part(work)
+    number = next_part(work)
     while True:
         # Numbers of parts only grow.
         while level < levels:
             here = -(-(bounds[level + 1] - bounds[level]) // FORCE_TARGETS)
-            if part < before + here:
+            if number < before + here:
                 break
             before, level = before + here, level + 1
         if level == levels:
@@ -140,10 +140,11 @@ def _close_forces(frame: int, work: int) -> None:
         if arranged != level:
             arrange_tables(by_level[level], around, no_angles, latitude, longitude, no_turns)
             for r in range(radial):
-                node_weights[r] = given_weights[level, r]
+                for a in range(azimuths):
+                    node_weights[r, a] = given_weights[level, r]
             pair_weights(node_weights, weights)
             arranged = level
-        first = bounds[level] + FORCE_TARGETS * (part - before)
+        first = bounds[level] + FORCE_TARGETS * (number - before)
         for lane in range(FORCE_TARGETS):
             # What is beyond the last pair repeats it.
             pair = pair_at[min(first + lane, bounds[level + 1] - 1)]
@@ -162,14 +163,10 @@ def _close_forces(frame: int, work: int) -> None:
             pair = pair_at[first + lane]
             for i in range(3):
                 found[pair, i] = sums[i, lane]
-        part = next_part(work)
+        number = next_part(work)
+    return 0
 
 
-@task(CLOSE_FORCES)
-def _close_forces_task(work: int) -> int:
-    return computed(_close_forces, work)
-
-
-@handler(CLOSE_FORCES)
+@handler(CLOSE_FORCES, _ARGUMENTS)
 def _close_forces_handler(frame: int) -> int:
-    return shared(frame, _ARGUMENTS, task_address(CLOSE_FORCES))
+    return shared(frame, address_of(CLOSE_FORCES))

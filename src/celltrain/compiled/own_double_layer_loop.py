@@ -8,7 +8,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from celltrain.compiled.call_frame import (
     FLOATS,
@@ -25,7 +24,9 @@ from celltrain.compiled.kernels import (
     stresslet_matrix,
     stresslet_scalars,
 )
-from celltrain.compiled.near_loops import FAST, near_parts
+from celltrain.compiled.loops import OWN_DOUBLE_LAYER
+from celltrain.compiled.pairs import near_parts
+from celltrain.compiled.parts import FAST, part
 from celltrain.compiled.polar_lanes import (
     LANES,
     add_moments,
@@ -39,11 +40,8 @@ from celltrain.compiled.polar_lanes import (
     sums_over_azimuths,
     sums_over_degrees,
 )
-from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
+from celltrain.compiled.shared_work import address_of, frame_of, next_part, shared, task
 from celltrain.harmonics import UNIT_DISPLACEMENT
-
-#: Name under which XLA finds the loop.
-OWN_DOUBLE_LAYER = "celltrain_own_double_layer"
 
 _ARGUMENTS = (FLOATS,) * 11
 # Components of the shape, targets at a time, and components of a symmetric matrix.
@@ -51,7 +49,7 @@ _CHANNELS, _COMPONENTS = 3, 6
 _TARGETS = LANES // _CHANNELS
 
 
-@njit(fastmath=FAST, inline="always", error_model="numpy")
+@part(fastmath=FAST, inline="always")
 def _vector(parts: Any, start: int, even: float, odd: float, i: int) -> Any:
     """A vector at target i from its even and its odd part, which begin at `start`."""
     return (
@@ -61,7 +59,7 @@ def _vector(parts: Any, start: int, even: float, odd: float, i: int) -> Any:
     )
 
 
-@njit(fastmath=FAST, inline="always", error_model="numpy")
+@part(fastmath=FAST, forceinline=True)
 def _kernels(parts: Any, sign: float, area: float, points: Any, i: int, xi: float) -> Any:
     """The near kernel at one node, times its area, and what it lacks of that in free space."""
     y = _vector(parts, 0, 1.0, sign, i)
@@ -89,7 +87,7 @@ def _kernels(parts: Any, sign: float, area: float, points: Any, i: int, xi: floa
     return near, lacking
 
 
-@njit(fastmath=FAST, inline="always", error_model="numpy")
+@part(fastmath=FAST, forceinline=True)
 def _keep(here: Any, there: Any, i: int, kept: Any) -> None:
     """Even parts of the components, then odd ones."""
     odd = 2 * LANES + i
@@ -101,7 +99,7 @@ def _keep(here: Any, there: Any, i: int, kept: Any) -> None:
     kept[5 * _TARGETS + i], kept[5 * _TARGETS + odd] = here[5] + there[5], here[5] - there[5]
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def _pair(parts: Any, areas: Any, points: Any, xi: float, near: Any, lacking: Any) -> None:
     """Even and odd parts, [side, lane], of the kernels at a node and its opposite.
 
@@ -116,7 +114,7 @@ def _pair(parts: Any, areas: Any, points: Any, xi: float, near: Any, lacking: An
         _keep(more_here, more_there, i, lacking)
 
 
-@njit(error_model="numpy")
+@part()
 def _take_from_target(near: Any, lacking: Any) -> None:
     """Subtract the rule's error for a constant, -1/2 in free space, at the target itself."""
     # The coefficient of the constant 1 is that of a displacement by one.
@@ -129,7 +127,7 @@ def _take_from_target(near: Any, lacking: Any) -> None:
                 near[0, 0, n, i] += error * math.sqrt((2 * n + 1) / (4.0 * math.pi))
 
 
-@njit(error_model="numpy")
+@part()
 def _areas(given: Any, inverse_sine: Any, areas: Any) -> None:
     """Weights of opposite nodes times what the tangents lack, over 8 pi."""
     pair_weights(given, areas)
@@ -139,9 +137,10 @@ def _areas(given: Any, inverse_sine: Any, areas: Any) -> None:
                 areas[r, a, side] *= inverse_sine[r] / (8.0 * math.pi)
 
 
-@njit(error_model="numpy")
-def _own_double_layer(frame: int, work: int) -> None:
+@task(OWN_DOUBLE_LAYER)
+def _own_double_layer(work: int) -> int:
     """Parts: so many targets of one after the other longitude and cell, on all rings."""
+    frame = frame_of(work)
     cells, rings, longitudes, _ = sizes(frame, 0)
     size = sizes(frame, 1)[2]
     orders, radial, degree = sizes(frame, 4)
@@ -223,13 +222,9 @@ def _own_double_layer(frame: int, work: int) -> None:
                     matrix, end = found[cell, ring, place], low * low if start else size
                     shift_back(back[:end], turns[place], lane, start, matrix)
         first = _TARGETS * next_part(work)
+    return 0
 
 
-@task(OWN_DOUBLE_LAYER)
-def _own_double_layer_task(work: int) -> int:
-    return computed(_own_double_layer, work)
-
-
-@handler(OWN_DOUBLE_LAYER)
+@handler(OWN_DOUBLE_LAYER, _ARGUMENTS)
 def _own_double_layer_handler(frame: int) -> int:
-    return shared(frame, _ARGUMENTS, task_address(OWN_DOUBLE_LAYER))
+    return shared(frame, address_of(OWN_DOUBLE_LAYER))

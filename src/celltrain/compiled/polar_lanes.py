@@ -9,10 +9,10 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from celltrain.compiled.kernels import squared, stokeslet, stokeslet_scalars
-from celltrain.compiled.near_loops import FAST, near_parts
+from celltrain.compiled.pairs import near_parts
+from celltrain.compiled.parts import FAST, part
 
 #: Numbers side by side: targets times components.
 LANES = 96
@@ -21,7 +21,7 @@ FORCE_CHANNELS = 6
 FORCE_TARGETS = LANES // FORCE_CHANNELS
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def shift(
     coefficients: np.ndarray, turns: np.ndarray, first: int, degree: int, shifted: np.ndarray
 ) -> None:
@@ -48,7 +48,7 @@ def shift(
                         shifted[odd, channel * targets + lane] = cosine * other - sine * one
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def rotate(rotation: np.ndarray, shifted: np.ndarray, degree: int, rotated: np.ndarray) -> None:
     """Coefficients [k, lane] in the frame of a ring, [cosine or sine, order, n, lane]."""
     for n in range(degree):
@@ -65,7 +65,7 @@ def rotate(rotation: np.ndarray, shifted: np.ndarray, degree: int, rotated: np.n
                         sums[i] += amount * shifted[column, i]
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def sums_over_degrees(rotated: np.ndarray, latitude: np.ndarray, sums: np.ndarray) -> None:
     """Sums over n at two polar angles, [angle, side, order, lane]; latitude: [angle, order, n]."""
     degrees = rotated.shape[2]
@@ -84,7 +84,7 @@ def sums_over_degrees(rotated: np.ndarray, latitude: np.ndarray, sums: np.ndarra
                     other[i] += e * p + f * q + g * r + h * s
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def parts_at_azimuths(
     by_order: np.ndarray, longitude: np.ndarray, first: np.ndarray, second: np.ndarray
 ) -> None:
@@ -107,7 +107,7 @@ def parts_at_azimuths(
                 other[i] += e * p + f * q + g * r + h * s
 
 
-@njit(error_model="numpy")
+@part()
 def arrange_tables(
     by_order: np.ndarray,
     around: np.ndarray,
@@ -135,7 +135,7 @@ def arrange_tables(
             turns[place, 1, m] = math.sin(m * angles[place])
 
 
-@njit(error_model="numpy")
+@part()
 def pair_weights(given: np.ndarray, weights: np.ndarray) -> None:
     """Weights [radial, azimuth, side] of opposite nodes; one that is its own counts once."""
     radial, azimuths = given.shape
@@ -146,7 +146,7 @@ def pair_weights(given: np.ndarray, weights: np.ndarray) -> None:
                 weights[r, a, 1] = given[r, azimuths - 1 - a]
 
 
-@njit(fastmath=FAST, inline="always", error_model="numpy")
+@part(fastmath=FAST, forceinline=True)
 def _node(values: Any, sign: float, points: Any, i: int, xi: float) -> Any:
     """Velocity at target i by one node, of which `values` are the parts, [side, lane]."""
     d = (
@@ -163,7 +163,7 @@ def _node(values: Any, sign: float, points: Any, i: int, xi: float) -> Any:
     return stokeslet(stokeslet_scalars(near[0], near[1], near[2]), d, force)
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def _add_forces(parts: Any, weights: Any, points: Any, xi: float, sums: Any) -> None:
     """Add to the velocities what forces at two azimuths and their opposites give.
 
@@ -182,7 +182,7 @@ def _add_forces(parts: Any, weights: Any, points: Any, xi: float, sums: Any) -> 
         sums[2, i] += p * a[2] + q * b[2] + r * c[2] + s * d[2]
 
 
-@njit(error_model="numpy")
+@part()
 def sum_forces(
     rotated: np.ndarray,
     latitude: np.ndarray,
@@ -208,7 +208,7 @@ def sum_forces(
             _add_forces(parts, weights[r, a : a + 2], points, xi, sums)
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def sums_over_azimuths(parts: np.ndarray, longitude: np.ndarray, sums: np.ndarray) -> None:
     """Even and odd parts at pairs of nodes times the tables, [side, order, lane].
 
@@ -231,7 +231,7 @@ def sums_over_azimuths(parts: np.ndarray, longitude: np.ndarray, sums: np.ndarra
                     into[i] += a * p[i] + b * q[i] + c * r[i] + d * s[i]
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def add_moments(by_order: np.ndarray, latitude: np.ndarray, moments: np.ndarray) -> None:
     """Add what two polar angles give to moments [side, order, n, lane].
 
@@ -247,7 +247,7 @@ def add_moments(by_order: np.ndarray, latitude: np.ndarray, moments: np.ndarray)
                     into[i] += a * one[i] + b * other[i]
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def rotate_back(rotation: np.ndarray, moments: np.ndarray, rotated: np.ndarray) -> None:
     """Moments [side, order, n, lane] in the frame of a ring in that of the shape, [k, lane]."""
     degree = moments.shape[1]
@@ -265,7 +265,7 @@ def rotate_back(rotation: np.ndarray, moments: np.ndarray, rotated: np.ndarray) 
                         sums[i] += amount * given[i]
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@part(fastmath=FAST)
 def shift_back(
     rotated: np.ndarray, turn: np.ndarray, lane: int, first: int, found: np.ndarray
 ) -> None:

@@ -4,15 +4,17 @@ XLA calls a loop in one thread, and often has nothing to run beside it. A loop w
 independent parts lets others take parts of it,
 
     @task("name")
-    def task_of_loop(work_address):
-        return computed(loop, work_address)
+    def loop(work_address):
+        frame_address = frame_of(work_address)
+        ...
+        return 0
 
-    @handler("name")
-    def handler_of_loop(frame_address):
-        return shared(frame_address, (FLOATS,), task_address("name"))
+    @handler("name", (FLOATS,))
+    def loop_handler(frame_address):
+        return shared(frame_address, address_of("name"))
 
-where `loop(frame_address, work_address)` computes the parts whose numbers `next_part` gives it
-until there are none left. Which thread computes a part changes nothing in it. Nobody waits for a
+where the loop computes the parts whose numbers `next_part` gives it until there are none left.
+Which thread computes a part changes nothing in it. Nobody waits for a
 thread to come: the caller takes parts as the others do, and when none is left it waits for those
 that are being computed. A task that XLA runs only then finds the work closed. What all share is a
 few words, released by the last.
@@ -23,7 +25,7 @@ from typing import Any, TypeAlias
 
 import llvmlite.binding
 from llvmlite import ir
-from numba import cfunc, njit, types
+from numba import types
 from numba.core import cgutils
 from numba.core.typing import Context
 from numba.extending import intrinsic
@@ -36,15 +38,20 @@ from celltrain.compiled.call_frame import (
     SCHEDULE,
     Loop,
     answered,
-    words,
+    c_function,
+    set_word,
+    word,
 )
+from celltrain.compiled.parts import part
 
 # Types of what an intrinsic is called with and returns, and what writes its code.
 IntrinsicParts: TypeAlias = tuple[types.FunctionType, Callable[..., ir.Value]]
 
-# Words of the work: the loop's frame, the next part, threads that compute, whether it is closed,
-# and who still holds its address.
-_FRAME, _NEXT, _COMPUTING, _CLOSED, _HOLDERS, _WORDS = 0, 1, 2, 3, 4, 5
+# Words of the work: the frame, the loop's address, the next part, threads that compute, whether it
+# is closed, and who still holds its address.
+_FRAME, _LOOP, _NEXT, _COMPUTING, _CLOSED, _HOLDERS, _WORDS = range(7)
+# Name of what helpers run.
+HELP = "celltrain_help"
 # Threads to which parts are offered; more would find little to do.
 _MOST_THREADS = 16
 
@@ -77,8 +84,8 @@ def _called(typing_context: Any, function: Any, argument: Any) -> Any:
 
 
 @intrinsic(prefer_literal=True)
-def task_address(typing_context: Context, name: types.Type) -> IntrinsicParts:
-    """Address of the task of a name, which the machine code finds when it is loaded."""
+def address_of(typing_context: Context, name: types.Type) -> IntrinsicParts:
+    """Address of the loop of a name, which the machine code finds when it is loaded."""
     symbol = _symbol(name.literal_value)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -95,66 +102,68 @@ def _symbol(name: str) -> str:
     return f"{name}_task"
 
 
-def task(name: str) -> Callable[[Loop], Loop]:
-    """Compile the task of a name, and let machine code find it, if loops serve here."""
+def task(name: str) -> Callable[[Loop], Any]:
+    """Compile the loop of a name, and let machine code find it, if loops serve here."""
 
-    def compiled(function: Loop) -> Loop:
+    def compiled(function: Loop) -> Any:
         if not LOOPS_SERVE:
             return function
-        signature = types.int64(types.int64)
-        try:
-            made = cfunc(signature, cache=True)(function)
-        except RuntimeError:
-            # Nowhere to keep the machine code: it is made anew in every process.
-            made = cfunc(signature)(function)
+        made = c_function(function)
         llvmlite.binding.add_symbol(_symbol(name), made.address)
         return made
 
     return compiled
 
 
-@njit
+@part()
+def frame_of(work: int) -> int:
+    """Address of the frame whose parts are computed."""
+    return word(work + 8 * _FRAME)
+
+
+@part()
 def next_part(work: int) -> int:
     """Number of a part that nobody has taken yet, counted on beyond the last."""
     return _added(work + 8 * _NEXT, 1)
 
 
-@njit
-def computed(loop: Callable[[int, int], int], work: int) -> int:
-    """Run a loop on the parts that it can get, unless the work is closed already."""
-    _added(work + 8 * _COMPUTING, 1)
-    # Only then: who closes the work waits for all that are counted.
-    if _added(work + 8 * _CLOSED, 0) == 0:
-        loop(words(work, _WORDS)[_FRAME], work)
-    _added(work + 8 * _COMPUTING, -1)
-    _release(work)
-    return 0
-
-
-@njit
+@part()
 def _release(work: int) -> None:
     if _added(work + 8 * _HOLDERS, -1) == 1:
         _free(work)
 
 
-@njit
-def shared(frame: int, kinds: tuple[int, ...], address: int) -> int:
-    """Compute all parts of a frame by the task at an address, with who comes to help.
+@task(HELP)
+def help_with(work: int) -> int:
+    """Run the work's loop on the parts that it can get, unless the work is closed already."""
+    _added(work + 8 * _COMPUTING, 1)
+    # Only then: who closes the work waits for all that are counted.
+    if _added(work + 8 * _CLOSED, 0) == 0:
+        _called(word(work + 8 * _LOOP), work)
+    _added(work + 8 * _COMPUTING, -1)
+    _release(work)
+    return 0
 
-    The caller's own share of it is one more run of the task. `kinds`: types of the arguments.
+
+@part()
+def shared(frame: int, loop: int) -> int:
+    """Compute all parts of a frame by the loop at an address, with who comes to help.
+
+    The caller's own share of it is to help as well.
     """
-    if answered(frame, kinds):
+    if answered(frame):
         return 0
-    caller = words(frame, CONTEXT + 1)
-    api, context = caller[API], caller[CONTEXT]
-    work = _malloc(8 * _WORDS)
-    state = words(work, _WORDS)
+    api, context = word(frame + 8 * API), word(frame + 8 * CONTEXT)
+    work, helper = _malloc(8 * _WORDS), address_of(HELP)
     helpers = max(0, min(_threads(api, context) - 1, _MOST_THREADS))
-    state[_FRAME], state[_NEXT], state[_COMPUTING], state[_CLOSED] = frame, 0, 0, 0
-    state[_HOLDERS] = helpers + 2
+    for place in range(_WORDS):
+        set_word(work + 8 * place, 0)
+    set_word(work + 8 * _FRAME, frame)
+    set_word(work + 8 * _LOOP, loop)
+    set_word(work + 8 * _HOLDERS, helpers + 2)
     for _ in range(helpers):
-        _offer(api, context, address, work)
-    _called(address, work)
+        _offer(api, context, helper, work)
+    _called(helper, work)
     _added(work + 8 * _CLOSED, 1)
     while _added(work + 8 * _COMPUTING, 0) > 0:
         _sched_yield()
@@ -162,24 +171,32 @@ def shared(frame: int, kinds: tuple[int, ...], address: int) -> int:
     return 0
 
 
-@njit
+@part()
 def _threads(api: int, context: int) -> int:
     """Number of XLA's threads; 1 if it does not say."""
     request = _malloc(8 * 5)
-    given = words(request, 5)
-    given[0], given[1], given[2], given[3], given[4] = 8 * 4, 0, context, request + 8 * 4, 1
-    failure = _called(words(api, NUMBER_OF_THREADS + 1)[NUMBER_OF_THREADS], request)
-    count = given[4] if failure == 0 else 1
+    _write(request, 8 * 4, context, request + 8 * 4, 1)
+    failure = _called(word(api + 8 * NUMBER_OF_THREADS), request)
+    count = word(request + 8 * 4) if failure == 0 else 1
     _free(request)
     return count
 
 
-@njit
+@part()
 def _offer(api: int, context: int, address: int, work: int) -> None:
-    """Let one of XLA's threads run the task when it has time."""
+    """Let one of XLA's threads run a task for the work when it has time."""
     request = _malloc(8 * 5)
-    given = words(request, 5)
-    given[0], given[1], given[2], given[3], given[4] = 8 * 5, 0, context, address, work
-    if _called(words(api, SCHEDULE + 1)[SCHEDULE], request) != 0:
+    _write(request, 8 * 5, context, address, work)
+    if _called(word(api + 8 * SCHEDULE), request) != 0:
         _release(work)
     _free(request)
+
+
+@part()
+def _write(request: int, size: int, context: int, first: int, second: int) -> None:
+    """What one of XLA's functions is asked with: its size, nothing beyond, and what it needs."""
+    set_word(request, size)
+    set_word(request + 8, 0)
+    set_word(request + 16, context)
+    set_word(request + 24, first)
+    set_word(request + 32, second)

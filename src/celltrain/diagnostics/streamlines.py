@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-import scipy.integrate
+import scipy
 from jaxtyping import Bool, Float
 
 from celltrain.meridian.geometry import meridian_points

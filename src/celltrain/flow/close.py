@@ -26,7 +26,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from celltrain.compiled import CLOSE_FORCES, compiled_or_plain, loop
+from celltrain.compiled import compiled_or_plain, loop
+from celltrain.compiled.loops import CLOSE_FORCES
 from celltrain.flow.polar import PolarRule, density_rows, polar_velocity
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.polar import PolarTables, polar_tables

@@ -4,7 +4,7 @@ Targets come in chunks, sources in blocks of a cell's points. The sum runs over 
 chunk and an axial image of a block whose bounding boxes are within the kernel's range, so the cost
 follows the number of near pairs and no array holds more than one chunk times one block.
 
-The sums themselves are compiled loops where these serve (`compiled.near_loops`). The formulas here
+The sums themselves are compiled loops where these serve (`compiled.pairs`). The formulas here
 are what they compute; they take their place elsewhere, and give their derivatives. That of the
 force's sum is in closed form: with D_k G the derivative of the kernel,
 
@@ -21,8 +21,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from celltrain.compiled import FORCE_PAIRS, STRESSLET_PAIRS, compiled_or_plain, loop
+from celltrain.compiled import compiled_or_plain, loop
 from celltrain.compiled.kernels import UNFOLD, squared, stokeslet_gradient, stokeslet_matrix
+from celltrain.compiled.loops import FORCE_PAIRS, STRESSLET_PAIRS
 from celltrain.flow.ewald import near_scalars, near_slopes, near_stress_scalars
 from celltrain.flow.sources import Sources
 from celltrain.proximity.chunks import CHUNK, chunks_of

@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.compiled import OWN_FORCES, compiled_or_plain, loop
+from celltrain.compiled import compiled_or_plain, loop
 from celltrain.compiled.kernels import (
     SYMMETRIC,
     cross,
@@ -25,6 +25,7 @@ from celltrain.compiled.kernels import (
     squared,
     stresslet_matrix,
 )
+from celltrain.compiled.loops import OWN_DOUBLE_LAYER, OWN_FORCES
 from celltrain.flow.ewald import near_stress_scalars
 from celltrain.flow.polar import force_sums
 from celltrain.harmonics import degree_of, polar_nodes
@@ -162,9 +163,6 @@ def _own_double_layer_jvp(primals, tangents):  # type: ignore[no-untyped-def]
 def _double_layer_loop(
     rule: OwnSurfaceRule, targets: Array, longitudes: Array, shapes: JaxShapes
 ) -> Array:
-    # Only where viscosities differ: what Numba has not kept takes it seconds to make.
-    from celltrain.compiled.own_double_layer_loop import OWN_DOUBLE_LAYER
-
     tables, low = rule.tables, rule.low_tables.latitude.shape[-1]
     by_order = (tables.latitude, tables.latitude_slope, tables.longitude, tables.longitude_slope)
     sizes = jnp.array([rule.parameter, low])

@@ -100,16 +100,18 @@ class FilmGrid:
         bound = float(np.hypot(within, self.fine.spacing(stretch).max()))
         reach = bound + 2.0 * float(self.coarse.spacing(stretch).max())
         pairs = list(close_boxes(surfaces.points, within=reach, period=period))
-        found, points = close_on_host(
-            surfaces.points,
-            self.coarse_starts,
-            self.fine.tables,
-            self.starts,
-            np.array(shapes, float, order="C"),
-            np.array(pairs, np.int64).reshape(-1, 3),
-            float(period),
-            (reach, bound, float(within)),
-        )
+        found, points = np.zeros((0, 4), np.int64), np.zeros((0, 3))
+        if pairs:
+            found, points = close_on_host(
+                surfaces.points,
+                self.coarse_starts,
+                self.fine.tables,
+                self.starts,
+                np.array(shapes, float, order="C"),
+                np.array(pairs, np.int64),
+                float(period),
+                (reach, bound, float(within)),
+            )
         cell, other, node, guess = found.T
         guesses = self.fine.angles[guess]
         angles, distance = nearest_points(self.search, points, other, shapes, guesses)

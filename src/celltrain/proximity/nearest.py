@@ -20,12 +20,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from celltrain.compiled import LOOPS_SERVE, NEAREST, compiled_or_plain, loop, nearest_on_host
-from celltrain.compiled.nearest_loop import (
+from celltrain.compiled import LOOPS_SERVE, compiled_or_plain, loop
+from celltrain.compiled.loops import NEAREST
+from celltrain.compiled.nearest_search import (
     FOUND,
     LONGEST_STEP,
     MAX_ITERATIONS,
     SHORTEST_STEP,
+    nearest_on_host,
 )
 from celltrain.harmonics import Shapes, degrees_and_orders
 from celltrain.harmonics.jax_shapes import JaxShapes
@@ -175,6 +177,8 @@ def nearest_points(
 
     **Arguments:** `cells`: that of each point; `guesses`: as for the search, whose result this is.
     """
+    if len(points) == 0:
+        return np.zeros((0, 2)), np.zeros(0)
     if LOOPS_SERVE:
         # Copies, as arrays that cannot be written to would be another type, compiled anew.
         at, of, near = (np.array(each, float, order="C") for each in (points, shapes, guesses))
@@ -184,7 +188,7 @@ def nearest_points(
         searched = _threads().map(
             lambda part: nearest_on_host(at[part], cell[part], of, near[part]), parts
         )
-        found = np.concatenate([np.zeros((0, FOUND)), *searched])
+        found = np.concatenate(list(searched))
         return found[:, :2], found[:, 2]
     angles, distances = np.zeros((len(points), 2)), np.zeros(len(points))
     for start in range(0, len(points), CHUNK):

@@ -15,7 +15,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from celltrain.compiled import LOOPS_SERVE
 from celltrain.flow import (
     OwnSurfaceRule,
     PeriodicTube,
@@ -294,9 +293,6 @@ def cells_operator(
     resolution without a degree.
     """
     check_jax()
-    if viscosity_ratio != 1.0 and LOOPS_SERVE:
-        # The loop must be known also to programs that are loaded whole; Numba may have to make it.
-        import celltrain.compiled.own_double_layer_loop  # noqa: F401
     sizes = resolution.sizes
     membrane = cells_membrane(cell, resolution)
     target_grid = sphere_grid(sizes.degree, sizes.target_order)

@@ -5,7 +5,6 @@ sum of the formula in `flow.own_surface`.
 """
 
 import numpy as np
-from numba import njit
 
 from celltrain.compiled.call_frame import (
     FLOATS,
@@ -14,6 +13,7 @@ from celltrain.compiled.call_frame import (
     result,
     sizes,
 )
+from celltrain.compiled.loops import OWN_FORCES
 from celltrain.compiled.polar_lanes import (
     FORCE_CHANNELS,
     FORCE_TARGETS,
@@ -24,17 +24,15 @@ from celltrain.compiled.polar_lanes import (
     shift,
     sum_forces,
 )
-from celltrain.compiled.shared_work import computed, next_part, shared, task, task_address
-
-#: Name under which XLA finds the loop.
-OWN_FORCES = "celltrain_own_forces"
+from celltrain.compiled.shared_work import address_of, frame_of, next_part, shared, task
 
 _ARGUMENTS = (FLOATS,) * 8
 
 
-@njit(error_model="numpy")
-def _own_forces(frame: int, work: int) -> None:
+@task(OWN_FORCES)
+def _own_forces(work: int) -> int:
     """Parts: so many targets of one after the other longitude and cell, on all rings."""
+    frame = frame_of(work)
     cells, rings, longitudes, _ = sizes(frame, 0)
     size = sizes(frame, 1)[2]
     orders, radial, degree = sizes(frame, 4)
@@ -77,13 +75,9 @@ def _own_forces(frame: int, work: int) -> None:
                 for i in range(3):
                     found[cell, ring, place, i] = sums[i, lane]
         first = FORCE_TARGETS * next_part(work)
+    return 0
 
 
-@task(OWN_FORCES)
-def _own_forces_task(work: int) -> int:
-    return computed(_own_forces, work)
-
-
-@handler(OWN_FORCES)
+@handler(OWN_FORCES, _ARGUMENTS)
 def _own_forces_handler(frame: int) -> int:
-    return shared(frame, _ARGUMENTS, task_address(OWN_FORCES))
+    return shared(frame, address_of(OWN_FORCES))

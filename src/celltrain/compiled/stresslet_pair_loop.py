@@ -1,0 +1,37 @@
+"""The compiled loop over near pairs of a target and a stresslet."""
+
+from typing import Any
+
+from celltrain.compiled.call_frame import handler
+from celltrain.compiled.kernels import squared, stresslet_of_dyad, stresslet_scalars
+from celltrain.compiled.loops import STRESSLET_PAIRS
+from celltrain.compiled.pairs import PAIR_ARGUMENTS, add_pairs, near_parts
+from celltrain.compiled.parts import FAST, part
+from celltrain.compiled.shared_work import address_of, shared, task
+
+
+@part(fastmath=FAST)
+def _stresslet_block(x: float, y: float, z: float, points: Any, dyads: Any, xi: float) -> Any:
+    """Velocity T_near(y - x)_ijk D_jk/2 at one target by a block of sources, D as [6, source]."""
+    u = v = w = 0.0
+    for s in range(points.shape[1]):
+        d = (x - points[0, s], y - points[1, s], z - points[2, s])
+        parts = near_parts(squared(d), xi)
+        dyad = (dyads[0, s], dyads[1, s], dyads[2, s], dyads[3, s], dyads[4, s], dyads[5, s])
+        scalars = stresslet_scalars(parts[0], parts[1], parts[2], xi)
+        by = stresslet_of_dyad(scalars, d, dyad)
+        u += by[0]
+        v += by[1]
+        w += by[2]
+    return u, v, w
+
+
+@task(STRESSLET_PAIRS)
+def _stresslet_pairs(work: int) -> int:
+    add_pairs(work, _stresslet_block)
+    return 0
+
+
+@handler(STRESSLET_PAIRS, PAIR_ARGUMENTS)
+def _stresslet_pairs_handler(frame: int) -> int:
+    return shared(frame, address_of(STRESSLET_PAIRS))
