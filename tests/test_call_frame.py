@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from celltrain import runtime
+from celltrain import programs, runtime
 from celltrain.compiled import LOOPS_SERVE, loop
 from celltrain.compiled.call_frame import differences
 from celltrain.compiled.header import HEADER, Header
@@ -182,6 +182,8 @@ def test_other_platforms_get_formulas(platform: str, monkeypatch: pytest.MonkeyP
         for name in loops:
             assert name in here
             assert name not in there
+        assert programs._called_in(here) == loops
+        assert programs._called_in(there) == ()
         # What is not taken is not computed, either: the loop stands for the whole formula.
         assert "stablehlo.rsqrt" in there
         assert "stablehlo.rsqrt" not in here

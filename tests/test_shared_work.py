@@ -32,7 +32,9 @@ from celltrain.compiled.shared_work import (
     task,
 )
 
-COUNTING, MARKING, SEEING = (f"celltrain_test_{name}" for name in ("counting", "marking", "seeing"))
+COUNTING, DIVIDING, MARKING, SEEING = (
+    f"celltrain_test_{name}" for name in ("counting", "dividing", "marking", "seeing")
+)
 PARTS = 97
 
 
@@ -87,6 +89,13 @@ def _see_handler(frame: int) -> int:
     return shared(frame, address_of(SEEING))
 
 
+@handler(DIVIDING, (FLOATS,))
+def _divide(frame: int) -> int:
+    if not answered(frame):
+        result(frame)[0] = 1.0 / numbers(frame, 0)[0]
+    return 0
+
+
 @jax.jit
 def threads(given: jax.Array) -> jax.Array:
     """The most threads that computed at once while each part was computed."""
@@ -112,6 +121,12 @@ def test_nothing_is_computed_of_closed_work(closed: bool) -> None:
     help_with.ctypes(work.ctypes.data)
     assert frame[0] == (not closed)
     assert (work[COMPUTING], work[HOLDERS]) == (0, 2)
+
+
+def test_division_by_zero_gives_infinity() -> None:
+    """As in what loops call: Python's error would leave the result as it was."""
+    found = jax.jit(lambda given: loop(DIVIDING, (1,), given))(jnp.zeros(1))
+    np.testing.assert_array_equal(found, [np.inf])
 
 
 def test_others_take_part() -> None:

@@ -41,7 +41,7 @@ from celltrain.version import __version__
 
 DEFAULT_AMPLITUDE = 0.1
 # Nothing else can be told until the first step is done.
-_BEGINS = "simulation: getting ready; the first on a machine compiles its programs, half a minute"
+_BEGINS = "simulation: getting ready; the first one on a machine compiles, for half a minute"
 POSITIVE, NOT_NEGATIVE = "numbers > 0", "numbers >= 0"
 _STATUS = {
     **dict.fromkeys(("complete", "steps", "running"), ExitStatus.DONE),
@@ -146,7 +146,7 @@ class Simulation(WrittenMeanwhile[Run]):
         dynamic = _is_linear(disturbance) or _is_known(start, train)
         known = (_linear_dynamics if dynamic else _steady)(train, start, progress)
         progress.log(_BEGINS)
-        # Only now: it wants loops, of which some have been compiled meanwhile.
+        # Only now: it takes a second to load, and loops were compiled meanwhile.
         from celltrain.evolution import evolve
 
         try:

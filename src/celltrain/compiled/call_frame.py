@@ -3,19 +3,19 @@
 XLA calls a C function with one argument, the address of a frame of 64-bit words, as described by
 `XLA_FFI_CallFrame` in the header xla/ffi/api/c_api.h that comes with jaxlib (version 0.3 of that
 interface, or 0.4, which takes what was written for 0.3 and has another name for one structure).
-Before the first call it asks for the version that the function was written for. A loop is
+Before the first call it asks for the version that the function was written for. Such a function is
 
     @handler("name", (FLOATS,))
-    def loop(frame_address):
+    def handler_of_loop(frame_address):
         if not answered(frame_address):
             values, found = numbers(frame_address, 0), result(frame_address)
             ...
         return 0
 
 which `dispatch.loop` calls, for arguments of the types given. Arrays are handed over flat, in C
-order; a loop must not raise. Numba keeps the machine code beside the source files, or in its cache
-folder where these cannot be written; after a change in this module or in what the loops share
-(`kernels`, `pairs`, `parts`, `polar_lanes`, `shared_work`) remove it.
+order; it must not raise. Numba keeps the machine code beside the source files, or in its cache
+folder where these cannot be written, and looks for changes in the loop's own file only: after one
+in another file of this folder remove what it has kept.
 
 All numbers below are compared with the header when this module is imported. Where they differ from
 it, or the machine is not one of 64 bits with the lowest byte first, no loop is compiled or used.
@@ -250,9 +250,9 @@ def result(frame: int) -> np.ndarray:
 
 
 def handler(name: str, arguments: tuple[np.dtype[Any], ...]) -> Callable[[Loop], Loop]:
-    """Compile a loop, and let XLA find it by its name, on processors, if loops serve here.
+    """Compile what XLA calls for a loop, and let it find that by the loop's name, on processors.
 
-    `arguments`: their types.
+    Nothing is compiled where loops do not serve. **Arguments:** `arguments`: types of the loop's.
     """
 
     def compiled(loop: Loop) -> Loop:
@@ -270,9 +270,11 @@ def handler(name: str, arguments: tuple[np.dtype[Any], ...]) -> Callable[[Loop],
 
 
 def c_function(function: Loop) -> Any:
-    """The function compiled for who knows its address, which is kept if it can be."""
+    """A function compiled for callers of its address; its machine code is kept if it can be."""
+    # Divisions by zero give infinity, as those in `parts` do.
+    options = {"error_model": "numpy"}
     try:
-        return cfunc(_SIGNATURE, cache=True)(function)
+        return cfunc(_SIGNATURE, cache=True, **options)(function)
     except RuntimeError:
         # Nowhere to keep the machine code: it is made anew in every process.
-        return cfunc(_SIGNATURE)(function)
+        return cfunc(_SIGNATURE, **options)(function)

@@ -17,7 +17,8 @@ OWN_DOUBLE_LAYER = "celltrain_own_double_layer"
 CLOSE_FORCES = "celltrain_close_forces"
 NEAREST = "celltrain_nearest"
 
-_MODULES = {
+#: The module of each.
+MODULES = {
     FORCE_PAIRS: "force_pair_loop",
     STRESSLET_PAIRS: "stresslet_pair_loop",
     OWN_FORCES: "own_surface_loop",
@@ -29,9 +30,9 @@ _MODULES = {
 
 def make(name: str) -> None:
     """Let XLA find a loop, which is compiled now unless it is kept; others are known already."""
-    if name in _MODULES:
-        import_module(f"celltrain.compiled.{_MODULES[name]}")
+    if name in MODULES:
+        import_module(f"celltrain.compiled.{MODULES[name]}")
 
 
-for _name in _MODULES:
+for _name in MODULES:
     offer(_name, partial(make, _name))

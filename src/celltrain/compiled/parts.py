@@ -1,6 +1,6 @@
 """Parts of loops: functions that Numba compiles for other compiled functions only.
 
-Python cannot call them: what it would need for that takes a quarter of the time to compile.
+Python cannot call them: the wrappers for that would take a quarter of the time to compile.
 """
 
 from functools import partial

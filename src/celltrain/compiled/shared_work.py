@@ -10,14 +10,13 @@ independent parts lets others take parts of it,
         return 0
 
     @handler("name", (FLOATS,))
-    def loop_handler(frame_address):
+    def handler_of_loop(frame_address):
         return shared(frame_address, address_of("name"))
 
 where the loop computes the parts whose numbers `next_part` gives it until there are none left.
-Which thread computes a part changes nothing in it. Nobody waits for a
-thread to come: the caller takes parts as the others do, and when none is left it waits for those
-that are being computed. A task that XLA runs only then finds the work closed. What all share is a
-few words, released by the last.
+Which thread computes a part changes nothing in it. Nobody waits for a thread to come: the caller
+takes parts as the others do, and when none is left it waits for those that are being computed. Who
+comes only then finds the work closed. What all share is a few words, released by the last.
 """
 
 from collections.abc import Callable
@@ -85,7 +84,7 @@ def _called(typing_context: Any, function: Any, argument: Any) -> Any:
 
 @intrinsic(prefer_literal=True)
 def address_of(typing_context: Context, name: types.Type) -> IntrinsicParts:
-    """Address of the loop of a name, which the machine code finds when it is loaded."""
+    """Address of the task of a name, which the machine code finds when it is loaded."""
     symbol = _symbol(name.literal_value)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -103,7 +102,7 @@ def _symbol(name: str) -> str:
 
 
 def task(name: str) -> Callable[[Loop], Any]:
-    """Compile the loop of a name, and let machine code find it, if loops serve here."""
+    """Compile the task of a name, and let machine code find it, if loops serve here."""
 
     def compiled(function: Loop) -> Any:
         if not LOOPS_SERVE:
@@ -135,7 +134,7 @@ def _release(work: int) -> None:
 
 @task(HELP)
 def help_with(work: int) -> int:
-    """Run the work's loop on the parts that it can get, unless the work is closed already."""
+    """Run the work's task on the parts that it can get, unless the work is closed already."""
     _added(work + 8 * _COMPUTING, 1)
     # Only then: who closes the work waits for all that are counted.
     if _added(work + 8 * _CLOSED, 0) == 0:
@@ -147,7 +146,7 @@ def help_with(work: int) -> int:
 
 @part()
 def shared(frame: int, loop: int) -> int:
-    """Compute all parts of a frame by the loop at an address, with who comes to help.
+    """Compute all parts of a frame by the task at an address, with who comes to help.
 
     The caller's own share of it is to help as well.
     """
