@@ -134,7 +134,9 @@ def test_the_process_compiles_what_it_is_told(tmp_path: Path) -> None:
         "shared_work.help_with",
     }
     with subprocess.Popen([*command, "facing"], **settings) as child:
-        assert b"facing is none of" in child.communicate()[1]
+        # Not `communicate`, which would end the child's input, and so the child.
+        assert child.stderr is not None
+        assert b"facing is none of" in child.stderr.read()
 
 
 def test_the_process_ends_with_who_began_it() -> None:

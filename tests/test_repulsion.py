@@ -59,7 +59,7 @@ def of_spheres(degree: int, *, length: float = FAR, radius: float = FAR) -> Film
     """Films of unit spheres."""
     train = Train(diameter=6, packing=0.2, cells=2, degree=degree)
     made = film_forces(train.cell, train.sizes, RoundTube(radius, length), Repulsion(RANGE))
-    return dataclasses.replace(made, areas=made.grid.fine.weights)
+    return dataclasses.replace(made, at_rest=sphere(degree))
 
 
 @pytest.fixture(scope="module")

@@ -136,6 +136,9 @@ class FilmGrid:
         """
         least = wall.distance(surfaces.points).min(axis=1)
         close = np.flatnonzero(least < within + self.coarse.spacing(surfaces.stretch))
+        if len(close) == 0:
+            none = np.zeros(0, dtype=int)
+            return WallPoints(none, none, np.zeros(0), np.zeros((0, 3)))
         points = surface_points(shapes[close], self.fine.values)
         distance = wall.distance(points)
         place, node = np.nonzero(distance < within)

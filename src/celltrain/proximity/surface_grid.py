@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -28,16 +29,23 @@ class Surfaces(NamedTuple):
 
 @dataclass(frozen=True)
 class SurfaceGrid:
-    """A grid of `order` rings for the harmonics below one degree.
+    """A grid of `order` rings for the harmonics below `degree`; `weights` of solid angle."""
 
-    `tables` are the harmonics at its points and their slopes down the colatitude and, over the
-    sine, around; `weights` those of solid angle.
-    """
-
+    degree: int
     order: int
     angles: Float[np.ndarray, "point 2"]
-    tables: Float[np.ndarray, "3 point coefficient"]
     weights: Float[np.ndarray, " point"]
+
+    @cached_property
+    def tables(self) -> Float[np.ndarray, "3 point coefficient"]:
+        """Harmonics at the points, their slopes down the colatitude and, over the sine, around.
+
+        They are made when they are first wanted: those of a fine grid take long and much memory.
+        """
+        theta, phi = self.angles.T
+        tables = harmonic_tables(self.degree, theta, phi)
+        around = np.asarray(tables.d_phi) / np.sin(theta)[:, None]
+        return np.stack([tables.value, tables.d_theta, around])
 
     @property
     def values(self) -> Float[np.ndarray, "point coefficient"]:
@@ -69,18 +77,11 @@ class SurfaceGrid:
 
     def reordered(self, order: Int[np.ndarray, " point"]) -> "SurfaceGrid":
         """The same points in another order."""
-        tables, angles = np.take(self.tables, order, axis=1), self.angles[order]
-        return SurfaceGrid(self.order, angles, tables, self.weights[order])
+        return SurfaceGrid(self.degree, self.order, self.angles[order], self.weights[order])
 
 
 def surface_grid(degree: int, order: int) -> SurfaceGrid:
     """The grid of `order` rings for the harmonics below `degree`."""
-    theta, phi = sphere_grid(1, order).points()
-    tables = harmonic_tables(degree, theta, phi)
-    around = np.asarray(tables.d_phi) / np.sin(theta)[:, None]
-    return SurfaceGrid(
-        order=order,
-        angles=np.stack([theta, phi], axis=-1),
-        tables=np.stack([tables.value, tables.d_theta, around]),
-        weights=np.asarray(sphere_grid(1, order).weights),
-    )
+    grid = sphere_grid(1, order)
+    angles = np.stack(grid.points(), axis=-1)
+    return SurfaceGrid(degree, order, angles, np.asarray(grid.weights))

@@ -16,12 +16,13 @@ torque; without flow the energy of membranes and films together can only fall.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 
 from celltrain.evolution.films.repulsion import Repulsion
-from celltrain.harmonics import Shapes
+from celltrain.harmonics import Shape, Shapes
 from celltrain.membrane import resting_shape
 from celltrain.parameters import Cell, Sizes
 from celltrain.proximity.film_points import FilmGrid, film_grid
@@ -50,15 +51,18 @@ class Films:
 
 @dataclass(frozen=True, eq=False)
 class FilmForces:
-    """The repulsion in films of equal cells.
-
-    `areas` are the membrane's at rest, at the grid's points.
-    """
+    """The repulsion in films of equal cells, whose membrane has the shape `at_rest`."""
 
     repulsion: Repulsion
     surroundings: Surroundings
     grid: FilmGrid
-    areas: Float[np.ndarray, " point"]
+    at_rest: Shape
+
+    @cached_property
+    def areas(self) -> Float[np.ndarray, " point"]:
+        """The membrane's at rest, at the grid's points."""
+        (areas,) = self.grid.fine.surfaces(self.at_rest[None]).areas
+        return self.grid.fine.weights * np.linalg.norm(areas, axis=-1)
 
     def __call__(self, shapes: Shapes) -> Films:
         """The films of all cells, whose mean points lie within one period."""
@@ -96,12 +100,9 @@ def film_forces(
     cell: Cell, sizes: Sizes, surroundings: Surroundings, repulsion: Repulsion
 ) -> FilmForces:
     """The repulsion in the films of equal cells, whose shapes have the degree of `sizes`."""
-    grid = film_grid(sizes.degree)
-    at_rest = resting_shape(cell, sizes.degree, sizes.grading)
-    (areas,) = grid.fine.surfaces(at_rest[None]).areas
     return FilmForces(
         repulsion=repulsion,
         surroundings=surroundings,
-        grid=grid,
-        areas=grid.fine.weights * np.linalg.norm(areas, axis=-1),
+        grid=film_grid(sizes.degree),
+        at_rest=resting_shape(cell, sizes.degree, sizes.grading),
     )
