@@ -13,10 +13,13 @@ import numpy as np
 import pytest
 from test_repulsion import placed, sphere
 
+from celltrain import Train
+from celltrain.analyses.simulation import Simulation
 from celltrain.compiled import ahead
 from celltrain.compiled.block_loops import CLOSE_TYPES, FACING_TYPES
 from celltrain.compiled.loops import CLOSE_FORCES, NEAREST, OWN_DOUBLE_LAYER, STRESSLET_PAIRS
 from celltrain.compiled.nearest_search import NEAREST_TYPES
+from celltrain.contract.progress import Silent
 from celltrain.proximity import film_points, nearest, own_sides
 from celltrain.proximity.film_points import film_grid
 
@@ -179,3 +182,18 @@ assert "celltrain.compiled.call_frame" in loops
 assert not [name for name in loops if name.endswith("_loop")], loops
 """
     subprocess.run([sys.executable, "-c", program], check=True)
+
+
+def test_a_simulation_has_its_loops_compiled_while_it_finds_the_train(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class BegunError(Exception):
+        """With the viscosity ratio."""
+
+    def begin(ratio: float) -> None:
+        raise BegunError(ratio)
+
+    monkeypatch.setattr(ahead, "compile_ahead", begin)
+    train = Train(diameter=6, packing=0.2, viscosity_ratio=5.0)
+    with pytest.raises(BegunError, match="5"):
+        Simulation(until=1.0).compute_into(train, None, Silent(), None)
