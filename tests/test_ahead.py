@@ -8,23 +8,13 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import numba
-import numpy as np
 import pytest
-from test_repulsion import placed, sphere
 
 from celltrain import Train
 from celltrain.analyses.simulation import Simulation
 from celltrain.compiled import ahead
-from celltrain.compiled.block_loops import CLOSE_TYPES, FACING_TYPES
 from celltrain.compiled.loops import CLOSE_FORCES, NEAREST, OWN_DOUBLE_LAYER, STRESSLET_PAIRS
-from celltrain.compiled.nearest_search import NEAREST_TYPES
 from celltrain.contract.progress import Silent
-from celltrain.proximity import film_points, nearest, own_sides
-from celltrain.proximity.film_points import film_grid
-
-DEGREE = 6
-ON_HOST = ["facing_on_host", "nearest_on_host", "close_on_host"]
 
 
 class Processes:
@@ -71,17 +61,15 @@ def test_what_a_simulation_wants_is_begun_once(
 ) -> None:
     for _ in range(2):
         ahead.compile_ahead(ratio)
-    assert processes.names() == [[*names, NEAREST, CLOSE_FORCES, *ON_HOST]]
+    assert processes.names() == [[*names, NEAREST, CLOSE_FORCES]]
 
 
 def test_what_is_kept_is_left_out(processes: Processes) -> None:
-    processes.keep("nearest_loop._nearest_handler", "block_loops.facing_on_host")
+    processes.keep("nearest_loop._nearest_handler")
     # Of another one's name.
     processes.keep("own_double_layer_loop._own_double_layer")
     ahead.compile_ahead(5.0)
-    kept = [NEAREST, "facing_on_host"]
-    whole = [OWN_DOUBLE_LAYER, STRESSLET_PAIRS, NEAREST, CLOSE_FORCES, *ON_HOST]
-    assert processes.names() == [[each for each in whole if each not in kept]]
+    assert processes.names() == [[OWN_DOUBLE_LAYER, STRESSLET_PAIRS, CLOSE_FORCES]]
 
 
 def test_nothing_is_begun_where_it_is_of_no_use(
@@ -101,8 +89,7 @@ def test_nothing_is_begun_where_it_is_of_no_use(
     ahead.compile_ahead(1.0)
     processes.keep_in(str(processes._folder))
     handlers = ("nearest_loop._nearest_handler", "close_loop._close_forces_handler")
-    processes.keep(*handlers, "nearest_search.nearest_on_host")
-    processes.keep("block_loops.facing_on_host", "block_loops.close_on_host")
+    processes.keep(*handlers)
     ahead.compile_ahead(1.0)
     assert processes.names() == []
     assert not ahead._begun.is_set()
@@ -130,11 +117,12 @@ def test_the_process_compiles_what_it_is_told(tmp_path: Path) -> None:
         "stdin": subprocess.PIPE,
         "stderr": subprocess.PIPE,
     }
-    with subprocess.Popen([*command, "facing_on_host"], **settings) as child:
+    with subprocess.Popen([*command, STRESSLET_PAIRS], **settings) as child:
         assert child.wait() == 0
     assert {each.name.split("-")[0] for each in kept.glob("*/*.nbi")} == {
-        "block_loops.facing_on_host",
         "shared_work.help_with",
+        "stresslet_pair_loop._stresslet_pairs",
+        "stresslet_pair_loop._stresslet_pairs_handler",
     }
     with subprocess.Popen([*command, "facing"], **settings) as child:
         # Not `communicate`, which would end the child's input, and so the child.
@@ -152,25 +140,6 @@ def test_the_process_ends_with_who_began_it() -> None:
     assert end.wait(10.0)
     watch.join()
     os.close(read)
-
-
-def test_types_are_those_that_a_search_for_films_has(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Others would be compiled, and what is wanted again."""
-    found: dict[str, tuple[Any, ...]] = {}
-    for module, name in ((own_sides, ON_HOST[0]), (nearest, ON_HOST[1]), (film_points, ON_HOST[2])):
-        function = getattr(module, name)
-
-        def recorded(*given: Any, function: Any = function) -> Any:
-            found[function.__name__] = tuple(numba.typeof(each) for each in given)
-            return function(*given)
-
-        monkeypatch.setattr(module, name, recorded)
-    grid = film_grid(DEGREE)
-    shapes = placed(sphere(DEGREE), (0.0, 0.0, 0.0), (0.0, 0.0, 2.01))
-    points = grid.find(shapes, grid.coarse.surfaces(shapes), within=0.05, period=20.0)
-    assert len(points.cell) > 0
-    assert np.isfinite(points.distance).all()
-    assert found == dict(zip(ON_HOST, (FACING_TYPES, NEAREST_TYPES, CLOSE_TYPES), strict=True))
 
 
 def test_what_a_simulation_imports_compiles_no_loop() -> None:

@@ -128,6 +128,7 @@ class Program(Generic[Arguments, Result]):
         return compiled, outcome[0]
 
 
+# What makes known to XLA what programs call, by the name that they call it by.
 _makers: dict[str, Callable[[], object]] = {}
 
 

@@ -2,8 +2,8 @@
 
     python -m celltrain.compiled.ahead NAME ...
 
-Numba keeps what it has made, so that this process then finds it; it compiles by itself what it
-wants before that.
+Numba keeps what it has made, so that this process then finds it; it compiles by itself what the
+other one has not begun.
 """
 
 import atexit
@@ -15,14 +15,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any
 
-from celltrain.compiled.block_loops import (
-    CLOSE_TYPES,
-    FACING_TYPES,
-    close_on_host,
-    facing_on_host,
-)
 from celltrain.compiled.call_frame import LOOPS_SERVE
 from celltrain.compiled.loops import (
     CLOSE_FORCES,
@@ -32,20 +25,10 @@ from celltrain.compiled.loops import (
     STRESSLET_PAIRS,
     make,
 )
-from celltrain.compiled.nearest_search import NEAREST_TYPES, nearest_on_host
 from celltrain.compiled.shared_work import help_with
 
-# Functions that Python calls, which are wanted after the loops.
-_ON_HOST: dict[str, tuple[Any, tuple[Any, ...]]] = {
-    function.__name__: (function, types)
-    for function, types in (
-        (facing_on_host, FACING_TYPES),
-        (nearest_on_host, NEAREST_TYPES),
-        (close_on_host, CLOSE_TYPES),
-    )
-}
 # What a simulation wants last: this process begins with the rest.
-_LAST = (NEAREST, CLOSE_FORCES, *_ON_HOST)
+_LAST = (NEAREST, CLOSE_FORCES)
 _VISCOUS = (OWN_DOUBLE_LAYER, STRESSLET_PAIRS)
 
 _begun = threading.Event()
@@ -81,34 +64,18 @@ def _processors() -> int:
 
 def _missing(names: tuple[str, ...]) -> list[str]:
     """Those of which Numba has kept nothing; none of them where it can keep nothing."""
+    # Of what Numba does not promise: where it is not there, nothing is compiled ahead.
     kept = getattr(help_with, "_cache", None)
     folder = getattr(kept, "cache_path", None)
     if folder is None:
         return []
-    return [name for name in names if not any(Path(folder).glob(f"{_file(name)}-*.nbi"))]
-
-
-def _file(name: str) -> str:
-    """Beginning of the names of the files in which Numba keeps something."""
-    if name in _ON_HOST:
-        function = _ON_HOST[name][0].py_func
-        return f"{function.__module__.rpartition('.')[2]}.{name}"
-    return f"{MODULES[name]}.*_handler"
+    handlers = {name: f"{MODULES[name]}.*_handler-*.nbi" for name in names}
+    return [name for name in names if not any(Path(folder).glob(handlers[name]))]
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:
     child.kill()
     child.wait()
-
-
-def _compile(name: str) -> None:
-    if name in _ON_HOST:
-        function, types = _ON_HOST[name]
-        function.compile(types)
-    elif name in MODULES:
-        make(name)
-    else:
-        raise ValueError(f"{name} is none of {', '.join((*MODULES, *_ON_HOST))}")
 
 
 def _end_with(pipe: int, end: Callable[[], object]) -> None:
@@ -123,4 +90,6 @@ if __name__ == "__main__":
     watch = (sys.stdin.fileno(), partial(os._exit, 1))
     threading.Thread(target=_end_with, args=watch, daemon=True).start()
     for each in sys.argv[1:]:
-        _compile(each)
+        if each not in MODULES:
+            raise ValueError(f"{each} is none of {', '.join(MODULES)}")
+        make(each)

@@ -8,25 +8,13 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import float64, int64, njit, types
+from numba import njit
 
 from celltrain.compiled.kernels import cross, dot, squared
 from celltrain.compiled.parts import FAST, part
 
 #: Half the largest curvature of a membrane, 1/r0, that a search for what is near allows for.
 BEND = 3.0
-#: Types of the arguments of the functions below.
-FACING_TYPES = (float64[:, :, ::1], float64[:, :, ::1], int64[::1], float64, float64[::1])
-CLOSE_TYPES = (
-    float64[:, :, ::1],
-    int64[::1],
-    float64[:, :, ::1],
-    int64[::1],
-    float64[:, :, ::1],
-    int64[:, ::1],
-    float64,
-    types.UniTuple(float64, 3),
-)
 
 
 @part()

@@ -4,10 +4,19 @@ Making one takes Numba seconds, unless it has kept the machine code: no program 
 it does without.
 """
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import partial
 from importlib import import_module
 
+from celltrain.environment import CACHE
 from celltrain.programs import offer
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 # Names under which XLA finds the loops.
 FORCE_PAIRS = "celltrain_force_pairs"
@@ -29,9 +38,31 @@ MODULES = {
 
 
 def make(name: str) -> None:
-    """Let XLA find a loop, which is compiled now unless it is kept; others are known already."""
+    """Let XLA find a loop, which is compiled now unless it is kept; others are known already.
+
+    One process at a time compiles it: the machine code depends in its rounding on what was compiled
+    before it, and all are to have the code that is kept.
+    """
     if name in MODULES:
-        import_module(f"celltrain.compiled.{MODULES[name]}")
+        with _alone(MODULES[name]):
+            import_module(f"celltrain.compiled.{MODULES[name]}")
+
+
+@contextmanager
+def _alone(name: str) -> Iterator[None]:
+    """Wait for other processes that make the same; not where there is no folder or no such lock."""
+    if CACHE is None or fcntl is None:
+        yield
+        return
+    try:
+        lock = open(os.path.join(CACHE, f"{name}.lock"), "w")  # noqa: SIM115
+    except OSError:
+        yield
+        return
+    with lock:
+        with suppress(OSError):
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 for _name in MODULES:

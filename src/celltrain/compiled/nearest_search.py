@@ -15,15 +15,13 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import float64, int64, njit
+from numba import njit
 
 from celltrain.compiled.parts import FAST, part
 
 #: Columns of what is found: theta, phi, distance with its sign, stretch, whether it converged.
 FOUND = 5
 
-#: Types of the arguments of `nearest_on_host`.
-NEAREST_TYPES = (float64[:, ::1], int64[::1], float64[:, :, ::1], float64[:, ::1])
 #: Bounds on the steps (radian) and their number.
 MAX_ITERATIONS = 30
 LONGEST_STEP = 0.3
