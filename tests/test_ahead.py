@@ -13,7 +13,7 @@ import pytest
 from celltrain import Train
 from celltrain.analyses.simulation import Simulation
 from celltrain.compiled import ahead
-from celltrain.compiled.loops import CLOSE_FORCES, NEAREST, OWN_DOUBLE_LAYER, STRESSLET_PAIRS
+from celltrain.compiled.loops import LOOPS, OWN_DOUBLE_LAYER, STRESSLET_PAIRS
 from celltrain.contract.progress import Silent
 
 
@@ -25,7 +25,7 @@ class Processes:
         self._folder = folder
         self._patch = monkeypatch
         monkeypatch.setattr(ahead, "_begun", threading.Event())
-        monkeypatch.setattr(ahead, "_processors", lambda: 2)
+        monkeypatch.setattr(ahead, "processors", lambda: 2)
         monkeypatch.setattr(ahead.atexit, "register", lambda *_: None)
         monkeypatch.setattr(ahead.subprocess, "Popen", self.begin)
         self.keep_in(str(folder))
@@ -53,30 +53,36 @@ def processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Processes:
     return Processes(tmp_path, monkeypatch)
 
 
-@pytest.mark.parametrize(
-    ("ratio", "names"), [(1.0, []), (5.0, [OWN_DOUBLE_LAYER, STRESSLET_PAIRS])]
-)
-def test_what_a_simulation_wants_is_begun_once(
-    processes: Processes, ratio: float, names: list[str]
-) -> None:
+@pytest.mark.parametrize("ratio", [1.0, 5.0])
+def test_what_a_simulation_wants_is_begun_once(processes: Processes, ratio: float) -> None:
     for _ in range(2):
         ahead.compile_ahead(ratio)
-    assert processes.names() == [[*names, NEAREST, CLOSE_FORCES]]
+    (names,) = processes.names()
+    of_viscosity = {OWN_DOUBLE_LAYER.name, STRESSLET_PAIRS.name}
+    assert set(LOOPS) - set(names) == (of_viscosity if ratio == 1.0 else set())
+    # In this order they share most; this process begins with the last.
+    assert names == [each for each in LOOPS if each in names]
 
 
 def test_what_is_kept_is_left_out(processes: Processes) -> None:
-    processes.keep("nearest_loop._nearest_handler")
-    # Of another one's name.
-    processes.keep("own_double_layer_loop._own_double_layer")
+    processes.keep("nearest_loop._nearest", "force_pair_loop._force_pairs")
     ahead.compile_ahead(5.0)
-    assert processes.names() == [[OWN_DOUBLE_LAYER, STRESSLET_PAIRS, CLOSE_FORCES]]
+    assert processes.names() == [
+        [
+            "celltrain_stresslet_pairs",
+            "celltrain_own_forces",
+            "celltrain_own_double_layer",
+            "celltrain_close_forces",
+            "celltrain_facing",
+        ]
+    ]
 
 
 def test_nothing_is_begun_where_it_is_of_no_use(
     processes: Processes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr(ahead, "_processors", lambda: 1)
+        patch.setattr(ahead, "processors", lambda: 1)
         ahead.compile_ahead(1.0)
     for python in (None, ""):
         with monkeypatch.context() as patch:
@@ -88,8 +94,7 @@ def test_nothing_is_begun_where_it_is_of_no_use(
     processes.keep_in(None)
     ahead.compile_ahead(1.0)
     processes.keep_in(str(processes._folder))
-    handlers = ("nearest_loop._nearest_handler", "close_loop._close_forces_handler")
-    processes.keep(*handlers)
+    processes.keep(*(f"{each.module.split('.')[-1]}._task" for each in LOOPS.values()))
     ahead.compile_ahead(1.0)
     assert processes.names() == []
     assert not ahead._begun.is_set()
@@ -117,17 +122,16 @@ def test_the_process_compiles_what_it_is_told(tmp_path: Path) -> None:
         "stdin": subprocess.PIPE,
         "stderr": subprocess.PIPE,
     }
-    with subprocess.Popen([*command, STRESSLET_PAIRS], **settings) as child:
+    with subprocess.Popen([*command, STRESSLET_PAIRS.name], **settings) as child:
         assert child.wait() == 0
     assert {each.name.split("-")[0] for each in kept.glob("*/*.nbi")} == {
         "shared_work.help_with",
         "stresslet_pair_loop._stresslet_pairs",
-        "stresslet_pair_loop._stresslet_pairs_handler",
     }
-    with subprocess.Popen([*command, "facing"], **settings) as child:
+    with subprocess.Popen([*command, "nothing"], **settings) as child:
         # Not `communicate`, which would end the child's input, and so the child.
         assert child.stderr is not None
-        assert b"facing is none of" in child.stderr.read()
+        assert b"nothing is none of" in child.stderr.read()
 
 
 def test_the_process_ends_with_who_began_it() -> None:

@@ -9,16 +9,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from numba import njit
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.special import erfc
 
 from celltrain.clock import compilation
 from celltrain.compiled.nearest_search import (
     FUNCTIONS,
-    SHORTEST_STEP,
     _jet,
     arranged_shapes,
-    nearest_on_host,
     search_factors,
 )
 from celltrain.compiled.pairs import near_parts
@@ -34,7 +32,7 @@ from celltrain.flow.own_surface import (
 from celltrain.harmonics import real_harmonics
 from celltrain.membrane import reference_coefficients
 from celltrain.proximity.close_pairs import LeftOut
-from celltrain.proximity.nearest import nearest_point_search
+from celltrain.proximity.nearest import nearest_point_search, nearest_points
 from celltrain.runtime import constant
 
 XI = 1.3
@@ -249,16 +247,10 @@ def test_nearest_points_by_the_loop(degree: int) -> None:
     assert np.isinf(np.asarray(found.distance)).sum() == (~valid).sum() > 0
     # Each pair ends by itself there, where here all of a chunk go on.
     assert (np.asarray(found.converged) >= np.asarray(converged)).all()
-    # The same, compiled for itself: sums may be taken in another order there, and a last step that
-    # is just longer or shorter than the shortest may be one more.
-    on_host = nearest_on_host(points, cells, shapes, guesses)[valid]
-    assert_allclose(on_host[:, 2], found.distance[valid], rtol=0, atol=1e-14)
-    angles = np.stack([found.theta, found.phi], axis=-1)[valid]
-    here, there = (
-        np.einsum("pk,pik->pi", real_harmonics(degree, *each.T), shapes[cells[valid]])
-        for each in (on_host[:, :2], angles)
-    )
-    assert_allclose(here, there, rtol=0, atol=2.0 * SHORTEST_STEP)
+    # The same loop, called by Python.
+    angles, signed = nearest_points(points[valid], cells[valid], shapes, guesses[valid])
+    assert_array_equal(signed, found.distance[valid])
+    assert_array_equal(angles, np.stack([found.theta, found.phi], axis=-1)[valid])
 
 
 @njit

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from test_repulsion import RANGE, assert_gradient, of_spheres, sphere
 
 from celltrain import Train
+from celltrain.compiled.loops import CompiledLoop
 from celltrain.evolution import Repulsion
 from celltrain.evolution.films.forces import FilmForces
 from celltrain.harmonics import (
@@ -168,10 +169,10 @@ def test_what_is_passed_by_could_not_be_found(
     shapes[:, 0, 0] += UNIT_DISPLACEMENT * 8.0 * np.arange(len(shapes))
     quick = films(shapes)
 
-    def all_of_them(points: np.ndarray, *_: Any) -> np.ndarray:
-        return np.ones(points.shape[:2], dtype=bool)
+    def all_of_them(_: CompiledLoop, shape: tuple[int, ...], *__: np.ndarray) -> np.ndarray:
+        return np.ones(shape)
 
-    monkeypatch.setattr(own_sides, "facing_on_host", all_of_them)
+    monkeypatch.setattr(own_sides, "call_on_host", all_of_them)
     whole = films(shapes)
     assert quick.gap == whole.gap
     assert_allclose(quick.energy, whole.energy, rtol=1e-13)

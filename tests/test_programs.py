@@ -5,7 +5,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -82,18 +82,68 @@ def test_the_next_process_does_not_trace_and_finds_the_same(folder: Path) -> Non
     assert (traced, float(other.second["given"])) == (["some"], 7.0)
 
 
-def test_what_a_program_calls_is_made_before_it_is_loaded(
+@dataclass(frozen=True)
+class Noted:
+    """What programs call, with what is asked of it."""
+
+    name: str
+    asked: list[str]
+
+    def declare(self) -> None:
+        self.asked.append(f"declare {self.name}")
+
+    def make(self) -> None:
+        # Of a program that is there.
+        self.asked.append(f"make {self.name}")
+
+
+def calling(values: jax.Array) -> jax.Array:
+    traced.append("calling")
+    programs.call(programs._callees["first"])
+    programs.call(programs._callees["second"])
+    return 2.0 * jnp.linalg.eigvalsh(values)
+
+
+def test_what_a_program_calls_is_made_when_it_has_been_compiled(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made: list[str] = []
-    monkeypatch.setattr(programs, "_makers", {})
-    for name in ("lapack_dsyevd", "never_called"):
-        programs.offer(name, partial(made.append, name))
-    Program(spectrum)(pair(), 2)
-    # Who traces it asks for that by itself.
-    assert made == []
-    Program(spectrum)(pair(), 2)
-    assert (made, traced) == (["lapack_dsyevd"], ["some"])
+    asked: list[str] = []
+    monkeypatch.setattr(programs, "_callees", {})
+    for name in ("first", "second", "lapack_dsyevd", "never_called"):
+        programs.offer(Noted(name, asked))
+    compiled = jax.stages.Lowered.compile
+
+    def compile_and_note(lowered: jax.stages.Lowered) -> jax.stages.Compiled:
+        asked.append("compile")
+        return compiled(lowered)
+
+    monkeypatch.setattr(jax.stages.Lowered, "compile", compile_and_note)
+    Program(calling)(symmetric())
+    # The last to be called first; what the text names was declared by who traced that part.
+    made = ["make lapack_dsyevd", "make second", "make first"]
+    assert asked == ["declare first", "declare second", "compile", *made]
+    asked.clear()
+    Program(calling)(symmetric())
+    assert traced == ["calling"]
+    assert set(asked[:3]) == {"declare first", "declare second", "declare lapack_dsyevd"}
+    assert asked[3:] == made
+
+
+def test_what_is_called_is_made_all_the_same_if_there_is_no_program(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was traced may stand in another one; and without any it is made at once."""
+    asked: list[str] = []
+    monkeypatch.setattr(programs, "_callees", {})
+    for name in ("first", "second"):
+        programs.offer(Noted(name, asked))
+    monkeypatch.setattr(jax.stages.Lowered, "compile", None)
+    with pytest.raises(TypeError):
+        Program(calling)(symmetric())
+    assert asked == ["declare first", "declare second", "make second", "make first"]
+    asked.clear()
+    jax.make_jaxpr(calling)(symmetric())
+    assert asked == ["declare first", "make first", "declare second", "make second"]
 
 
 def test_within_a_process_it_is_looked_for_once(

@@ -4,15 +4,13 @@ import re
 from pathlib import Path
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
 import celltrain
 from celltrain.harmonics import displaced, real_harmonics, surface_points
 from celltrain.membrane import reference_coefficients
-from celltrain.proximity import nearest
 from celltrain.proximity.boxes import close_boxes
-from celltrain.proximity.nearest import CHUNK, _searched, nearest_point_search, nearest_points
+from celltrain.proximity.nearest import nearest_points
 
 DEGREE, PERIOD = 6, 6.0
 PLACES = np.array([[0.0, 0.0, 0.0], [0.4, 0.0, 2.0], [0.0, -0.3, 4.5], [9.0, 0.0, 4.0]])
@@ -59,15 +57,11 @@ def test_boxes_of_a_cell_and_its_own_image() -> None:
     ]
 
 
-@pytest.mark.parametrize("loops", [True, False])
-def test_nearest_points_of_any_number_of_points(
-    loops: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(nearest, "LOOPS_SERVE", loops and nearest.LOOPS_SERVE)
-    shapes, search = cells(), nearest_point_search(DEGREE)
+def test_nearest_points_of_any_number_of_points() -> None:
+    shapes = cells()
     angles, values = grid()
     random = np.random.default_rng(4)
-    for count in (0, 1, CHUNK, CHUNK + 1, len(angles)):
+    for count in (0, 1, 33, len(angles)):
         number = random.integers(0, len(PLACES), count)
         feet = np.einsum("pk,pik->pi", values[:count], shapes[number])
         centres = PLACES[number]
@@ -76,29 +70,13 @@ def test_nearest_points_of_any_number_of_points(
         direction = feet - centres
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         points = feet + away[:, None] * direction
-        found, distance = nearest_points(search, points, number, shapes, angles[:count])
+        found, distance = nearest_points(points, number, shapes, angles[:count])
         assert found.shape == (count, 2)
         there = np.einsum("pk,pik->pi", real_harmonics(DEGREE, *found.T), shapes[number])
         assert_allclose(np.linalg.norm(points - there, axis=1), np.abs(distance), atol=1e-12)
         assert (np.abs(distance) <= np.abs(away) + 1e-12).all()
         clear = np.abs(distance) > 1e-6
         assert (np.sign(distance) == np.sign(away))[clear].all()
-
-
-def test_one_program_serves_all_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(nearest, "LOOPS_SERVE", False)
-    search = nearest_point_search(DEGREE)
-    angles, values = grid()
-    before = None
-    for count, number in ((3, 4), (100, 2)):
-        shapes = cells()[:number]
-        which = np.arange(count) % number
-        points = np.einsum("pk,pik->pi", values[:count], shapes[which]) + 0.05
-        nearest_points(search, points, which, shapes, angles[:count])
-        size = _searched._traced._cached._cache_size()
-        assert size > 0
-        assert before is None or size == before
-        before = size
 
 
 def test_the_glossary_names_what_there_is() -> None:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 import jax
@@ -23,26 +24,45 @@ from celltrain.compiled.call_frame import (
     set_word,
     word,
 )
+from celltrain.compiled.loops import CompiledLoop
+from celltrain.compiled.on_host import call_on_host
 from celltrain.compiled.shared_work import (
-    address_of,
     frame_of,
     help_with,
     next_part,
-    shared,
+    share,
+    slot_of,
     task,
 )
 
-COUNTING, DIVIDING, MARKING, SEEING = (
-    f"celltrain_test_{name}" for name in ("counting", "dividing", "marking", "seeing")
-)
+MARKING = "celltrain_test_marking"
 PARTS = 97
+
+
+@dataclass(frozen=True)
+class LoopIntoZeros(CompiledLoop):
+    """A loop that adds to its result, which is zero when it begins."""
+
+    def declare(self) -> None:
+        name = self.name
+
+        @handler(name)
+        def handle(frame: int) -> int:
+            if not answered(frame):
+                result(frame)[:] = 0.0
+            return share(frame, slot_of(name))
+
+
+COUNTING = LoopIntoZeros("celltrain_test_counting", __name__, (FLOATS,))
+SEEING = LoopIntoZeros("celltrain_test_seeing", __name__, (FLOATS,))
+DIVIDING = CompiledLoop("celltrain_test_dividing", __name__, (FLOATS,))
 
 
 #: Words of the work: the frame, the loop, who computes, whether it is closed, who holds it.
 FRAME, LOOP, COMPUTING, CLOSED, HOLDERS, WORDS = 0, 1, 3, 4, 5, 6
 
 
-@task(COUNTING)
+@task(COUNTING.name)
 def _count(work: int) -> int:
     frame = frame_of(work)
     given, found = numbers(frame, 0), result(frame)
@@ -56,20 +76,13 @@ def _count(work: int) -> int:
     return 0
 
 
-@handler(COUNTING, (FLOATS,))
-def _count_handler(frame: int) -> int:
-    if not answered(frame):
-        result(frame)[:] = 0.0
-    return shared(frame, address_of(COUNTING))
-
-
 @task(MARKING)
 def _mark(work: int) -> int:
     set_word(frame_of(work), 1)
     return 0
 
 
-@task(SEEING)
+@task(SEEING.name)
 def _see(work: int) -> int:
     found = result(frame_of(work))
     part = next_part(work)
@@ -82,17 +95,14 @@ def _see(work: int) -> int:
     return 0
 
 
-@handler(SEEING, (FLOATS,))
-def _see_handler(frame: int) -> int:
-    if not answered(frame):
-        result(frame)[:] = 0.0
-    return shared(frame, address_of(SEEING))
-
-
-@handler(DIVIDING, (FLOATS,))
-def _divide(frame: int) -> int:
-    if not answered(frame):
-        result(frame)[0] = 1.0 / numbers(frame, 0)[0]
+@task(DIVIDING.name)
+def _divide(work: int) -> int:
+    frame = frame_of(work)
+    given, found = numbers(frame, 0), result(frame)
+    part = next_part(work)
+    while part < found.size:
+        found[part] = 1.0 / given[part]
+        part = next_part(work)
     return 0
 
 
@@ -127,6 +137,14 @@ def test_division_by_zero_gives_infinity() -> None:
     """As in what loops call: Python's error would leave the result as it was."""
     found = jax.jit(lambda given: loop(DIVIDING, (1,), given))(jnp.zeros(1))
     np.testing.assert_array_equal(found, [np.inf])
+
+
+def test_called_by_python() -> None:
+    """As in a program, whatever the array's order in memory."""
+    given = 1.0 + np.arange(500.0).reshape(100, 5).T
+    np.testing.assert_array_equal(call_on_host(DIVIDING, given.shape, given), 1.0 / given)
+    with pytest.raises(TypeError, match=f"{DIVIDING.name} is given .*int64"):
+        call_on_host(DIVIDING, (1,), np.arange(3))
 
 
 def test_others_take_part() -> None:

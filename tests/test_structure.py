@@ -22,6 +22,7 @@ ROOMS = (
     "interruption",
     "runtime",
     "programs",
+    "parts",
     "laws",
     "quantities",
     "parameters",

@@ -68,6 +68,17 @@ PROGRAMS = None if CACHE is None else os.path.join(CACHE, "compiled")
 #: Whether whole programs are kept there, so that they need not be traced either (see `programs`).
 KEEPS_PROGRAMS = False
 
+
+def processors() -> int:
+    """How many processors this process may use, as XLA counts them."""
+    asked = os.environ.get("NPROC", "")
+    if asked.isdigit() and int(asked) > 0:
+        return int(asked)
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 #: When this process came to the package, in seconds since the epoch.
 STARTED = time.time()
 

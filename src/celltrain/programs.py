@@ -19,13 +19,13 @@ import platform
 import threading
 import time
 import zlib
-from collections.abc import Callable, Hashable
-from contextlib import suppress
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache, update_wrapper
 from glob import escape
 from pathlib import Path
 from types import MethodType
-from typing import Any, Generic, ParamSpec, TypeVar
+from typing import Any, Generic, ParamSpec, Protocol, TypeVar
 
 import equinox as eqx
 import jax
@@ -118,28 +118,85 @@ class Program(Generic[Arguments, Result]):
         # loaded cannot be written whole again.
         over_arrays.__name__ = f"{self._function.__name__}_{key}"
         before = _loads.number
-        lowered = jax.jit(over_arrays).lower(arrays)
-        compiled = lowered.compile()
-        if _loads.number == before:
-            _keep(path, compiled, outcome[0], _called_in(lowered.as_text()))
+        with _called() as called:
+            lowered = jax.jit(over_arrays).lower(arrays)
+            # Parts may have been traced before, for another program.
+            called |= _called_in(lowered.as_text())
+            compiled = lowered.compile()
+            if _loads.number == before:
+                _keep(path, compiled, outcome[0], called)
         for same in folder.glob(f"jit_{escape(over_arrays.__name__)}-*"):
             with suppress(OSError):
                 same.unlink()
         return compiled, outcome[0]
 
 
-# What makes known to XLA what programs call, by the name that they call it by.
-_makers: dict[str, Callable[[], object]] = {}
+class Callee(Protocol):
+    """What programs call by its name, beside what XLA has itself."""
+
+    @property
+    def name(self) -> str:
+        """What a program's text calls it."""
+        ...
+
+    def declare(self) -> None:
+        """Let XLA find it, before a program that calls it is compiled or loaded."""
+
+    def make(self) -> None:
+        """Have it made, before a program that calls it runs."""
 
 
-def offer(name: str, make: Callable[[], object]) -> None:
-    """Have something made that programs call by a name, before one of them is loaded."""
-    _makers[name] = make
+_callees: dict[str, Callee] = {}
 
 
-def _called_in(text: str) -> tuple[str, ...]:
+class _Tracing(threading.local):
+    """What a program calls that a thread traces; None if it traces none of those here."""
+
+    called: set[str] | None = None
+
+
+_tracing = _Tracing()
+
+
+def offer(callee: Callee) -> None:
+    """Let programs call something by its name."""
+    _callees[callee.name] = callee
+
+
+def call(callee: Callee) -> None:
+    """Declare what is called by what is being traced, and have it made before that runs."""
+    callee.declare()
+    if _tracing.called is None:
+        callee.make()
+    else:
+        _tracing.called.add(callee.name)
+
+
+@contextmanager
+def _called() -> Iterator[set[str]]:
+    """Names of what is called by a program that is traced and compiled; all is made at the end.
+
+    At the end whatever happens: JAX may take what was traced for another program.
+    """
+    before = _tracing.called
+    names: set[str] = set()
+    _tracing.called = names
+    try:
+        yield names
+    finally:
+        _tracing.called = before
+        _make(names)
+
+
+def _make(names: Iterable[str]) -> None:
+    """Have all of them made: the last to be called first, as another process begins with others."""
+    for name in reversed([each for each in _callees if each in names]):
+        _callees[name].make()
+
+
+def _called_in(text: str) -> set[str]:
     """Names of what a program's text calls."""
-    return tuple(name for name in _makers if name in text)
+    return {name for name in _callees if name in text}
 
 
 class _Loads:
@@ -250,7 +307,7 @@ def _load(path: Path, arrays: list[Any]) -> _Loaded | None:
         # It has a checksum.
         executable, result, called = pickle.loads(zlib.decompress(packed))
         for name in called:
-            _makers[name]()
+            _callees[name].declare()
         inward = jax.tree.structure(((arrays,), {}))
         outward = jax.tree.structure([0] * len(jax.tree.leaves(result)))
         loaded = deserialize_and_load(executable, inward, outward)
@@ -258,6 +315,7 @@ def _load(path: Path, arrays: list[Any]) -> _Loaded | None:
         with suppress(OSError):
             path.unlink()
         return None
+    _make(called)
     with suppress(OSError):
         os.utime(path)
     return loaded, result
@@ -269,9 +327,7 @@ def _load_lapack() -> None:
     jax.jit(jax.lax.linalg.cholesky).lower(jax.ShapeDtypeStruct((1, 1), float))
 
 
-def _keep(
-    path: Path, compiled: jax.stages.Compiled, result: PyTree, called: tuple[str, ...]
-) -> None:
+def _keep(path: Path, compiled: jax.stages.Compiled, result: PyTree, called: set[str]) -> None:
     """Write a program, and remove those not used for longest; nothing where that cannot be.
 
     `called`: names of what it calls.

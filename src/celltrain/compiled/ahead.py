@@ -2,11 +2,12 @@
 
     python -m celltrain.compiled.ahead NAME ...
 
-Numba keeps what it has made, so that this process then finds it; it compiles by itself what the
-other one has not begun.
+Numba keeps what it has made, so that this process then finds it. When this one comes to need them
+it begins with the last, and compiles by itself what the other one has not begun.
 """
 
 import atexit
+import gc
 import os
 import subprocess
 import sys
@@ -17,18 +18,11 @@ from functools import partial
 from pathlib import Path
 
 from celltrain.compiled.call_frame import LOOPS_SERVE
-from celltrain.compiled.loops import (
-    CLOSE_FORCES,
-    MODULES,
-    NEAREST,
-    OWN_DOUBLE_LAYER,
-    STRESSLET_PAIRS,
-    make,
-)
+from celltrain.compiled.loops import LOOPS, OWN_DOUBLE_LAYER, STRESSLET_PAIRS
 from celltrain.compiled.shared_work import help_with
+from celltrain.environment import processors
 
-# What a simulation wants last: this process begins with the rest.
-_LAST = (NEAREST, CLOSE_FORCES)
+# What only cells of another viscosity than the plasma's want.
 _VISCOUS = (OWN_DOUBLE_LAYER, STRESSLET_PAIRS)
 
 _begun = threading.Event()
@@ -41,9 +35,10 @@ def compile_ahead(viscosity_ratio: float) -> None:
     """
     # A frozen application would begin itself.
     python = None if getattr(sys, "frozen", False) else sys.executable
-    if not LOOPS_SERVE or not python or _processors() < 2 or _begun.is_set():
+    if not LOOPS_SERVE or not python or processors() < 2 or _begun.is_set():
         return
-    names = _missing((*(_VISCOUS if viscosity_ratio != 1.0 else ()), *_LAST))
+    left_out = () if viscosity_ratio != 1.0 else tuple(each.name for each in _VISCOUS)
+    names = _missing([name for name in LOOPS if name not in left_out])
     if not names:
         return
     _begun.set()
@@ -56,21 +51,15 @@ def compile_ahead(viscosity_ratio: float) -> None:
         atexit.register(_end, child)
 
 
-def _processors() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
-def _missing(names: tuple[str, ...]) -> list[str]:
+def _missing(names: list[str]) -> list[str]:
     """Those of which Numba has kept nothing; none of them where it can keep nothing."""
     # Of what Numba does not promise: where it is not there, nothing is compiled ahead.
     kept = getattr(help_with, "_cache", None)
     folder = getattr(kept, "cache_path", None)
     if folder is None:
         return []
-    handlers = {name: f"{MODULES[name]}.*_handler-*.nbi" for name in names}
-    return [name for name in names if not any(Path(folder).glob(handlers[name]))]
+    files = {name: f"{LOOPS[name].module.rpartition('.')[2]}.*.nbi" for name in names}
+    return [name for name in names if not any(Path(folder).glob(files[name]))]
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:
@@ -89,7 +78,9 @@ def _end_with(pipe: int, end: Callable[[], object]) -> None:
 if __name__ == "__main__":
     watch = (sys.stdin.fileno(), partial(os._exit, 1))
     threading.Thread(target=_end_with, args=watch, daemon=True).start()
+    # What Numba leaves behind is little beside what it takes to look for it.
+    gc.disable()
     for each in sys.argv[1:]:
-        if each not in MODULES:
-            raise ValueError(f"{each} is none of {', '.join(MODULES)}")
-        make(each)
+        if each not in LOOPS:
+            raise ValueError(f"{each} is none of {', '.join(LOOPS)}")
+        LOOPS[each].make()

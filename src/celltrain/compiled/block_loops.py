@@ -11,14 +11,14 @@ import numpy as np
 from numba import njit
 
 from celltrain.compiled.kernels import cross, dot, squared
-from celltrain.compiled.parts import FAST, part
+from celltrain.parts import FAST, part
 
 #: Half the largest curvature of a membrane, 1/r0, that a search for what is near allows for.
 BEND = 3.0
 
 
 @part()
-def _spheres(points: Any, starts: Any) -> Any:
+def spheres(points: Any, starts: Any) -> Any:
     """Middle and radius of each block of points [cell, point, 3]."""
     cells, blocks = points.shape[0], starts.size - 1
     middle, radius = np.empty((cells, blocks, 3)), np.empty((cells, blocks))
@@ -38,47 +38,13 @@ def _sphere(points: Any, middle: Any) -> float:
             middle[i] += points[p, i] / points.shape[0]
     square = 0.0
     for p in range(points.shape[0]):
-        square = max(square, squared(_apart(points[p], middle)))
+        square = max(square, squared(apart(points[p], middle)))
     return math.sqrt(square)
 
 
-@njit(cache=True, error_model="numpy")
-def facing_on_host(points: Any, normals: Any, starts: Any, within: float, far: Any) -> Any:
-    """Which points [cell, point, 3] face a part of their own cell that may be within a distance.
-
-    They have a point with an opposed normal (negative product) near them: not farther away than
-    `within` and `far` (that of the cell), and in height, along one of the normals, not farther than
-    `within` and what a surface of the largest curvature may rise.
-
-    **Arguments:** `starts`: number of each block's first point, and at last that of all points.
-    """
-    cells, count, _ = points.shape
-    found = np.zeros((cells, count), dtype=np.bool_)
-    middle, radius = _spheres(points, starts)
-    for cell in range(cells):
-        reach = within + far[cell]
-        for one in range(starts.size - 1):
-            for other in range(one, starts.size - 1):
-                bound = radius[cell, one] + radius[cell, other] + reach
-                if squared(_apart(middle[cell, one], middle[cell, other])) >= bound * bound:
-                    continue
-                for p in range(starts[one], starts[one + 1]):
-                    for q in range(starts[other], starts[other + 1]):
-                        if dot(normals[cell, p], normals[cell, q]) >= 0.0:
-                            continue
-                        apart = _apart(points[cell, p], points[cell, q])
-                        square = squared(apart)
-                        if square >= reach * reach:
-                            continue
-                        rise, back = dot(apart, normals[cell, p]), dot(apart, normals[cell, q])
-                        height = min(abs(rise), abs(back))
-                        if height < within + BEND * (square - height * height):
-                            found[cell, p] = found[cell, q] = True
-    return found
-
-
 @part(inline="always")
-def _apart(a: Any, b: Any) -> Any:
+def apart(a: Any, b: Any) -> Any:
+    """The vector from b to a."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
@@ -152,7 +118,7 @@ def close_on_host(
     places, as the other cell sees them, [found, 3].
     """
     reach, bound, within = reaches
-    middle, radius = _spheres(coarse, coarse_starts)
+    middle, radius = spheres(coarse, coarse_starts)
     near = _near(middle, radius, pairs, period, reach)
     cells, blocks = near.shape
     # The points of all blocks that are near another, one after the other.

@@ -5,17 +5,17 @@ XLA calls a C function with one argument, the address of a frame of 64-bit words
 interface, or 0.4, which takes what was written for 0.3 and has another name for one structure).
 Before the first call it asks for the version that the function was written for. Such a function is
 
-    @handler("name", (FLOATS,))
-    def handler_of_loop(frame_address):
+    @handler("name")
+    def handle(frame_address):
         if not answered(frame_address):
             values, found = numbers(frame_address, 0), result(frame_address)
             ...
         return 0
 
-which `dispatch.loop` calls, for arguments of the types given. Arrays are handed over flat, in C
-order; it must not raise. Numba keeps the machine code beside the source files, or in its cache
-folder where these cannot be written, and looks for changes in the loop's own file only: after one
-in another file of this folder remove what it has kept.
+for which `shared_work` has one that lets several threads run a loop. Arrays are handed over flat,
+in C order; it must not raise. Numba keeps the machine code beside the source files, or in its cache
+folder where these cannot be written, and looks for changes in the function's own file only: after
+one in another file of this folder remove what it has kept.
 
 All numbers below are compared with the header when this module is imported. Where they differ from
 it, or the machine is not one of 64 bits with the lowest byte first, no loop is compiled or used.
@@ -37,7 +37,7 @@ from numba.extending import intrinsic
 
 import celltrain.runtime  # noqa: F401
 from celltrain.compiled.header import HEADER, Header
-from celltrain.compiled.parts import part
+from celltrain.parts import part
 
 #: Address of the frame -> address of an error, 0 for none.
 Loop: TypeAlias = Callable[[int], int]
@@ -45,16 +45,14 @@ _SIGNATURE = types.int64(types.int64)
 
 # Types of arguments.
 FLOATS, INTEGERS, FLAGS = np.dtype(np.float64), np.dtype(np.int64), np.dtype(np.bool_)
-#: Those of each loop's arguments, by its name.
-ARGUMENTS: dict[str, tuple[np.dtype[Any], ...]] = {}
 
 # Words of the frame: what extends it, and the lists of the arguments' and results' addresses.
-_EXTENSION, _ARGUMENTS, _RESULTS = 1, 9, 14
+_EXTENSION, ARGUMENTS, RESULTS = 1, 9, 14
 # Words of the frame again: the functions that XLA offers, and what they are told who calls; among
 # those functions, what lets a thread run a task, and how many threads there are.
 API, CONTEXT, SCHEDULE, NUMBER_OF_THREADS = 2, 3, 17, 18
 # Words of a buffer: address of its data, number of its axes, address of their sizes.
-_DATA, _RANK, _SIZES = 3, 4, 5
+DATA, RANK, SIZES = 3, 4, 5
 # Words of what extends a frame: its kind (half a word), of which one is the question for the
 # version, and the address of the answer; words of the answer.
 _KIND, _QUESTION, _ANSWER = 1, 1, 3
@@ -80,11 +78,11 @@ _PLACES: dict[tuple[str, str], float] = {
     ("XLA_FFI_ThreadPool_Schedule_Args", "data"): 4,
     ("XLA_FFI_ThreadPool_NumThreads_Args", "ctx"): 2,
     ("XLA_FFI_ThreadPool_NumThreads_Args", "num_threads"): 3,
-    ("XLA_FFI_CallFrame", "args.args"): _ARGUMENTS,
-    ("XLA_FFI_CallFrame", "rets.rets"): _RESULTS,
-    ("XLA_FFI_Buffer", "data"): _DATA,
-    ("XLA_FFI_Buffer", "rank"): _RANK,
-    ("XLA_FFI_Buffer", "dims"): _SIZES,
+    ("XLA_FFI_CallFrame", "args.args"): ARGUMENTS,
+    ("XLA_FFI_CallFrame", "rets.rets"): RESULTS,
+    ("XLA_FFI_Buffer", "data"): DATA,
+    ("XLA_FFI_Buffer", "rank"): RANK,
+    ("XLA_FFI_Buffer", "dims"): SIZES,
     ("XLA_FFI_Metadata_Extension", "metadata"): _ANSWER,
     ("XLA_FFI_Metadata", "api_version.major_version"): _VERSION,
     ("XLA_FFI_Metadata", "api_version.minor_version"): _VERSION + 0.5,
@@ -188,35 +186,35 @@ def answered(frame: int) -> bool:
 # the function's lines; addresses are no constants.
 @part(inline="always")
 def _argument(frame: int, number: int) -> int:
-    return word(word(frame + 8 * _ARGUMENTS) + 8 * number)
+    return word(word(frame + 8 * ARGUMENTS) + 8 * number)
 
 
 @part()
 def _sizes(buffer: int) -> np.ndarray:
-    return carray(_pointer(word(buffer + 8 * _SIZES)), (word(buffer + 8 * _RANK),), np.int64)
+    return carray(_pointer(word(buffer + 8 * SIZES)), (word(buffer + 8 * RANK),), np.int64)
 
 
 @part()
 def _count(buffer: int) -> int:
     count = 1
-    for axis in range(word(buffer + 8 * _RANK)):
-        count *= word(word(buffer + 8 * _SIZES) + 8 * axis)
+    for axis in range(word(buffer + 8 * RANK)):
+        count *= word(word(buffer + 8 * SIZES) + 8 * axis)
     return count
 
 
 @part()
 def _numbers(buffer: int) -> np.ndarray:
-    return carray(_pointer(word(buffer + 8 * _DATA)), (_count(buffer),), np.float64)
+    return carray(_pointer(word(buffer + 8 * DATA)), (_count(buffer),), np.float64)
 
 
 @part()
 def _integers(buffer: int) -> np.ndarray:
-    return carray(_pointer(word(buffer + 8 * _DATA)), (_count(buffer),), np.int64)
+    return carray(_pointer(word(buffer + 8 * DATA)), (_count(buffer),), np.int64)
 
 
 @part()
 def _flags(buffer: int) -> np.ndarray:
-    return carray(_pointer(word(buffer + 8 * _DATA)), (_count(buffer),), np.uint8)
+    return carray(_pointer(word(buffer + 8 * DATA)), (_count(buffer),), np.uint8)
 
 
 @part(inline="always")
@@ -246,24 +244,18 @@ def flags(frame: int, number: int) -> np.ndarray:
 @part(inline="always")
 def result(frame: int) -> np.ndarray:
     """The result, 64-bit floats, flat."""
-    return _numbers(word(word(frame + 8 * _RESULTS)))
+    return _numbers(word(word(frame + 8 * RESULTS)))
 
 
-def handler(name: str, arguments: tuple[np.dtype[Any], ...]) -> Callable[[Loop], Loop]:
-    """Compile what XLA calls for a loop, and let it find that by the loop's name, on processors.
+def handler(name: str) -> Callable[[Loop], Any]:
+    """Compile what XLA calls by a name, on processors, and let it find that."""
 
-    Nothing is compiled where loops do not serve. **Arguments:** `arguments`: types of the loop's.
-    """
-
-    def compiled(loop: Loop) -> Loop:
-        if not LOOPS_SERVE:
-            return loop
-        made = c_function(loop)
+    def compiled(function: Loop) -> Any:
+        made = c_function(function)
         make_capsule = ctypes.pythonapi.PyCapsule_New
         make_capsule.restype = ctypes.py_object
         make_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
         jax.ffi.register_ffi_target(name, make_capsule(made.address, None, None), platform="cpu")
-        ARGUMENTS[name] = arguments
         return made
 
     return compiled

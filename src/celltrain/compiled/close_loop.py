@@ -11,16 +11,12 @@ from typing import Any
 import numpy as np
 
 from celltrain.compiled.call_frame import (
-    FLOATS,
-    INTEGERS,
-    handler,
     integers,
     numbers,
     result,
     sizes,
 )
 from celltrain.compiled.loops import CLOSE_FORCES
-from celltrain.compiled.parts import FAST, part
 from celltrain.compiled.polar_lanes import (
     FORCE_CHANNELS,
     FORCE_TARGETS,
@@ -29,9 +25,8 @@ from celltrain.compiled.polar_lanes import (
     pair_weights,
     sum_forces,
 )
-from celltrain.compiled.shared_work import address_of, frame_of, next_part, shared, task
-
-_ARGUMENTS = (FLOATS, FLOATS, INTEGERS, FLOATS, INTEGERS, INTEGERS, *(FLOATS,) * 5)
+from celltrain.compiled.shared_work import frame_of, next_part, task
+from celltrain.parts import FAST, part
 
 
 @part()
@@ -70,25 +65,23 @@ def _rotated_row(matrix: Any, row: int, n: int, given: Any, sums: Any) -> None:
 
 
 @part()
-def _to_pole(quarters: Any, turns: Any, given: Any, between: Any, rotated: Any) -> None:
+def _to_pole(quarters: Any, turns: Any, given: Any, rotated: Any) -> None:
     """Coefficients [k, lane] seen from each target's pole, [cosine or sine, order, n, lane].
 
-    `given` is overwritten. **Arguments:** `quarters`: the quarter turn and its transpose; `turns`:
-    those of longitude and colatitude, [angle, cosine or sine, order, lane].
+    **Arguments:** `quarters`: the quarter turn and its transpose; `turns`: those of longitude and
+    colatitude, [angle, cosine or sine, order, lane]; `given`: coefficients and room for what lies
+    between the two, [2, k, lane], overwritten.
     """
-    degree = turns.shape[2]
-    _turn(given, turns[0, 0], turns[0, 1])
-    for n in range(degree):
-        for row in range(n * n, (n + 1) * (n + 1)):
-            _rotated_row(quarters[0], row, n, given, between[row])
-    _turn(between, turns[1, 0], turns[1, 1])
-    for n in range(degree):
-        for m in range(-n, n + 1):
-            into = rotated[1 if m < 0 else 0, abs(m), n]
-            _rotated_row(quarters[1], n * n + n + m, n, between, into)
+    for angle in range(2):
+        _turn(given[angle], turns[angle, 0], turns[angle, 1])
+        for n in range(turns.shape[2]):
+            for m in range(-n, n + 1):
+                row = n * n + n + m
+                into = rotated[1 if m < 0 else 0, abs(m), n] if angle == 1 else given[1, row]
+                _rotated_row(quarters[angle], row, n, given[angle], into)
 
 
-@task(CLOSE_FORCES)
+@task(CLOSE_FORCES.name)
 def _close_forces(work: int) -> int:
     """Parts: so many pairs of one level of distance."""
     frame = frame_of(work)
@@ -121,7 +114,7 @@ def _close_forces(work: int) -> int:
 
     angles = np.empty((2, FORCE_TARGETS))
     turns = np.empty((2, 2, degree, LANES))
-    shifted, between = np.empty((size, LANES)), np.empty((size, LANES))
+    shifted = np.empty((2, size, LANES))
     rotated = np.zeros((2, filled, filled, LANES))
     by_order = np.empty((2, 2, filled, LANES))
     parts = np.empty((2, 2, LANES))
@@ -154,10 +147,10 @@ def _close_forces(work: int) -> int:
             for channel in range(FORCE_CHANNELS):
                 into = channel * FORCE_TARGETS + lane
                 for k in range(size):
-                    shifted[k, into] = coefficients[cell_of[pair], channel, k]
+                    shifted[0, k, into] = coefficients[cell_of[pair], channel, k]
         for angle in range(2):
             _turns(angles[angle], turns[angle, 0], turns[angle, 1])
-        _to_pole(quarters, turns, shifted, between, rotated)
+        _to_pole(quarters, turns, shifted, rotated)
         sum_forces(rotated, latitude, longitude, weights, targets, xi, by_order, parts, sums)
         for lane in range(min(FORCE_TARGETS, bounds[level + 1] - first)):
             pair = pair_at[first + lane]
@@ -165,8 +158,3 @@ def _close_forces(work: int) -> int:
                 found[pair, i] = sums[i, lane]
         number = next_part(work)
     return 0
-
-
-@handler(CLOSE_FORCES, _ARGUMENTS)
-def _close_forces_handler(frame: int) -> int:
-    return shared(frame, address_of(CLOSE_FORCES))

@@ -6,22 +6,21 @@ from typing import Any
 import jax
 from jaxtyping import Array, Float
 
-from celltrain.compiled.call_frame import ARGUMENTS, LOOPS_SERVE
-from celltrain.compiled.loops import make
+from celltrain.compiled.call_frame import LOOPS_SERVE
+from celltrain.compiled.loops import CompiledLoop
+from celltrain.programs import call
 from celltrain.runtime import by_platform
 
 
-def loop(name: str, shape: tuple[int, ...], *arguments: Array) -> Float[Array, "..."]:
-    """Result of the compiled loop of a name (see `loops`), an array of the given shape.
+def loop(compiled: CompiledLoop, shape: tuple[int, ...], *arguments: Array) -> Float[Array, "..."]:
+    """Result of a compiled loop, an array of the given shape.
 
     **Raises:** `TypeError` for arguments of other types than the loop's.
     """
-    make(name)
-    given = tuple(each.dtype for each in arguments)
-    if given != ARGUMENTS[name]:
-        raise TypeError(f"{name} is given {given} in place of {ARGUMENTS[name]}")
+    compiled.check(arguments)
+    call(compiled)
     result = jax.ShapeDtypeStruct(shape, float)
-    return jax.ffi.ffi_call(name, result, vmap_method="sequential")(*arguments)
+    return jax.ffi.ffi_call(compiled.name, result, vmap_method="sequential")(*arguments)
 
 
 def compiled_or_plain(

@@ -2,12 +2,11 @@
 
 from typing import Any
 
-from celltrain.compiled.call_frame import handler
 from celltrain.compiled.kernels import squared, stokeslet, stokeslet_scalars
 from celltrain.compiled.loops import FORCE_PAIRS
-from celltrain.compiled.pairs import PAIR_ARGUMENTS, add_pairs, near_parts
-from celltrain.compiled.parts import FAST, part
-from celltrain.compiled.shared_work import address_of, shared, task
+from celltrain.compiled.pairs import add_pairs, near_parts
+from celltrain.compiled.shared_work import task
+from celltrain.parts import FAST, part
 
 
 @part(fastmath=FAST)
@@ -25,12 +24,7 @@ def _force_block(x: float, y: float, z: float, points: Any, forces: Any, xi: flo
     return u, v, w
 
 
-@task(FORCE_PAIRS)
+@task(FORCE_PAIRS.name)
 def _force_pairs(work: int) -> int:
     add_pairs(work, _force_block)
     return 0
-
-
-@handler(FORCE_PAIRS, PAIR_ARGUMENTS)
-def _force_pairs_handler(frame: int) -> int:
-    return shared(frame, address_of(FORCE_PAIRS))

@@ -5,11 +5,7 @@ import math
 import numpy as np
 
 from celltrain.compiled.call_frame import (
-    FLAGS,
-    FLOATS,
-    INTEGERS,
     flags,
-    handler,
     integers,
     numbers,
     result,
@@ -23,14 +19,13 @@ from celltrain.compiled.nearest_search import (
     search_factors,
     search_one,
 )
-from celltrain.compiled.shared_work import address_of, frame_of, next_part, shared, task
+from celltrain.compiled.shared_work import frame_of, next_part, task
 
-_ARGUMENTS = (FLOATS, INTEGERS, FLOATS, FLOATS, FLAGS)
 # Pairs that are one part of the shared work.
 _PAIRS = 32
 
 
-@task(NEAREST)
+@task(NEAREST.name)
 def _nearest(work: int) -> int:
     """Parts: `_PAIRS` pairs each."""
     frame = frame_of(work)
@@ -56,8 +51,3 @@ def _nearest(work: int) -> int:
             search_one(points[pair], shape, guesses[pair], factors, functions, jets, found[pair])
         first = _PAIRS * next_part(work)
     return 0
-
-
-@handler(NEAREST, _ARGUMENTS)
-def _nearest_handler(frame: int) -> int:
-    return shared(frame, address_of(NEAREST))

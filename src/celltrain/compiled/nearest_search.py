@@ -15,9 +15,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from celltrain.compiled.parts import FAST, part
+from celltrain.parts import FAST, part
 
 #: Columns of what is found: theta, phi, distance with its sign, stretch, whether it converged.
 FOUND = 5
@@ -141,15 +140,9 @@ def _jet(theta: float, phi: float, shape: Any, factors: Any, functions: Any, jet
         jet[5, i] -= jet[3, i]
 
 
-@part(forceinline=True)
+@part()
 def _product(a: Any, b: Any) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@part()
-def _subtract(a: Any, b: Any, difference: Any) -> None:
-    for i in range(3):
-        difference[i] = a[i] - b[i]
 
 
 @part(inline="always")
@@ -184,28 +177,27 @@ def search_one(
     point: Any, shape: Any, guess: Any, factors: Any, functions: Any, jets: Any, found: Any
 ) -> None:
     """One pair's nearest point; `jets` is room for two."""
-    theta, phi = guess[0], guess[1]
+    theta, phi, square = guess[0], guess[1], math.inf
+    new_theta, new_phi, shortening, ended = theta, phi, 1.0, False
     jet, trial, away = jets[0], jets[1], np.empty(3)
-    _jet(theta, phi, shape, factors, functions, jet)
-    _subtract(jet[0], point, away)
-    square, shortening, ended = _product(away, away), 1.0, False
-    for _ in range(MAX_ITERATIONS):
-        if ended:
+    for iteration in range(MAX_ITERATIONS + 1):
+        _jet(new_theta, new_phi, shape, factors, functions, trial)
+        new_square = 0.0
+        for i in range(3):
+            new_square += (trial[0, i] - point[i]) ** 2
+        if iteration == 0 or new_square <= square:
+            theta, phi, square, shortening = new_theta, new_phi, new_square, 1.0
+            jet, trial = trial, jet
+            for i in range(3):
+                away[i] = jet[0, i] - point[i]
+        else:
+            shortening *= 0.25
+        if ended or iteration == MAX_ITERATIONS:
             break
         first, second = _newton_step(jet, away)
         first, second = shortening * first, shortening * second
         ended = math.hypot(first, second) < SHORTEST_STEP
         new_theta, new_phi = _moved(theta, phi, first, second)
-        _jet(new_theta, new_phi, shape, factors, functions, trial)
-        new_square = 0.0
-        for i in range(3):
-            new_square += (trial[0, i] - point[i]) ** 2
-        if new_square <= square:
-            theta, phi, square, shortening = new_theta, new_phi, new_square, 1.0
-            jet, trial = trial, jet
-            _subtract(jet[0], point, away)
-        else:
-            shortening *= 0.25
     one, two = jet[1], jet[2]
     through = -(
         (one[1] * two[2] - one[2] * two[1]) * away[0]
@@ -218,16 +210,3 @@ def search_one(
     found[2] = distance if through >= 0.0 else -distance
     found[3] = math.sqrt(0.5 * (a + c) + math.hypot(0.5 * (a - c), b))
     found[4] = 1.0 if ended else 0.0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def nearest_on_host(points: Any, cells: Any, shapes: Any, guesses: Any) -> Any:
-    """[pair, FOUND] for points [pair, 3] of cells [pair], with shapes and guesses (theta, phi)."""
-    degree = round(math.sqrt(shapes.shape[2]))
-    factors, arranged = search_factors(degree), arranged_shapes(shapes, degree)
-    functions, jets = np.zeros((FUNCTIONS, degree + 1, degree)), np.zeros((2, 6, 3))
-    found = np.empty((points.shape[0], FOUND))
-    for pair in range(points.shape[0]):
-        shape = arranged[cells[pair]]
-        search_one(points[pair], shape, guesses[pair], factors, functions, jets, found[pair])
-    return found

@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 
 from celltrain.compiled.call_frame import (
-    FLOATS,
-    handler,
     numbers,
     result,
     sizes,
@@ -26,7 +24,6 @@ from celltrain.compiled.kernels import (
 )
 from celltrain.compiled.loops import OWN_DOUBLE_LAYER
 from celltrain.compiled.pairs import near_parts
-from celltrain.compiled.parts import FAST, part
 from celltrain.compiled.polar_lanes import (
     LANES,
     add_moments,
@@ -40,10 +37,10 @@ from celltrain.compiled.polar_lanes import (
     sums_over_azimuths,
     sums_over_degrees,
 )
-from celltrain.compiled.shared_work import address_of, frame_of, next_part, shared, task
+from celltrain.compiled.shared_work import frame_of, next_part, task
 from celltrain.harmonics import UNIT_DISPLACEMENT
+from celltrain.parts import FAST, part
 
-_ARGUMENTS = (FLOATS,) * 11
 # Components of the shape, targets at a time, and components of a symmetric matrix.
 _CHANNELS, _COMPONENTS = 3, 6
 _TARGETS = LANES // _CHANNELS
@@ -59,7 +56,7 @@ def _vector(parts: Any, start: int, even: float, odd: float, i: int) -> Any:
     )
 
 
-@part(fastmath=FAST, forceinline=True)
+@part(fastmath=FAST)
 def _kernels(parts: Any, sign: float, area: float, points: Any, i: int, xi: float) -> Any:
     """The near kernel at one node, times its area, and what it lacks of that in free space."""
     y = _vector(parts, 0, 1.0, sign, i)
@@ -87,7 +84,7 @@ def _kernels(parts: Any, sign: float, area: float, points: Any, i: int, xi: floa
     return near, lacking
 
 
-@part(fastmath=FAST, forceinline=True)
+@part(fastmath=FAST)
 def _keep(here: Any, there: Any, i: int, kept: Any) -> None:
     """Even parts of the components, then odd ones."""
     odd = 2 * LANES + i
@@ -137,7 +134,7 @@ def _areas(given: Any, inverse_sine: Any, areas: Any) -> None:
                 areas[r, a, side] *= inverse_sine[r] / (8.0 * math.pi)
 
 
-@task(OWN_DOUBLE_LAYER)
+@task(OWN_DOUBLE_LAYER.name)
 def _own_double_layer(work: int) -> int:
     """Parts: so many targets of one after the other longitude and cell, on all rings."""
     frame = frame_of(work)
@@ -199,21 +196,23 @@ def _own_double_layer(work: int) -> int:
                 if r % 2 == 0:
                     for slope in range(2):
                         sums_over_degrees(rotated, latitude[slope, r : r + 2], by_order[slope])
-                here, down = by_order[0, r % 2], by_order[1, r % 2]
                 for a in range(0, half, 2):
-                    at = longitude[:, a : a + 2]
-                    parts_at_azimuths(here, at[0], parts[0, 0], parts[1, 0])
-                    parts_at_azimuths(down, at[0], parts[0, 1], parts[1, 1])
-                    parts_at_azimuths(here, at[1], parts[0, 2], parts[1, 2])
+                    # Of places, and their slopes along the polar angle and along the azimuth.
+                    for quantity in range(3):
+                        rows = by_order[quantity % 2, r % 2]
+                        at = longitude[quantity // 2, a : a + 2]
+                        parts_at_azimuths(rows, at, parts[0, quantity], parts[1, quantity])
                     for b in range(a, min(a + 2, (azimuths + 1) // 2)):
-                        given = flat_parts[b - a], areas[r, b]
-                        _pair(given[0], given[1], points, xi, flat_near[b], flat_lacking[b])
-                sums_over_azimuths(near, longitude[0], near_by_order[r % 2])
-                sums_over_azimuths(lacking, longitude[0], lacking_by_order[r % 2])
-                if r % 2 == 1 or r == radial - 1:
-                    begin = r - r % 2
-                    add_moments(near_by_order, latitude[0, begin : begin + 2], near_moments)
-                    add_moments(lacking_by_order, latitude[0, begin : begin + 2], lacking_moments)
+                        at_pair = flat_parts[b - a], areas[r, b]
+                        _pair(at_pair[0], at_pair[1], points, xi, flat_near[b], flat_lacking[b])
+                for kind in range(2):
+                    given = near if kind == 0 else lacking
+                    orders = near_by_order if kind == 0 else lacking_by_order
+                    sums_over_azimuths(given, longitude[0], orders[r % 2])
+                    if r % 2 == 1 or r == radial - 1:
+                        begin = r - r % 2
+                        moments = near_moments if kind == 0 else lacking_moments
+                        add_moments(orders, latitude[0, begin : begin + 2], moments)
             _take_from_target(near_moments, lacking_moments)
             for start in (0, size):
                 rotate_back(rotations[ring], lacking_moments if start else near_moments, back)
@@ -223,8 +222,3 @@ def _own_double_layer(work: int) -> int:
                     shift_back(back[:end], turns[place], lane, start, matrix)
         first = _TARGETS * next_part(work)
     return 0
-
-
-@handler(OWN_DOUBLE_LAYER, _ARGUMENTS)
-def _own_double_layer_handler(frame: int) -> int:
-    return shared(frame, address_of(OWN_DOUBLE_LAYER))

@@ -7,8 +7,6 @@ sum of the formula in `flow.own_surface`.
 import numpy as np
 
 from celltrain.compiled.call_frame import (
-    FLOATS,
-    handler,
     numbers,
     result,
     sizes,
@@ -24,12 +22,10 @@ from celltrain.compiled.polar_lanes import (
     shift,
     sum_forces,
 )
-from celltrain.compiled.shared_work import address_of, frame_of, next_part, shared, task
-
-_ARGUMENTS = (FLOATS,) * 8
+from celltrain.compiled.shared_work import frame_of, next_part, task
 
 
-@task(OWN_FORCES)
+@task(OWN_FORCES.name)
 def _own_forces(work: int) -> int:
     """Parts: so many targets of one after the other longitude and cell, on all rings."""
     frame = frame_of(work)
@@ -76,8 +72,3 @@ def _own_forces(work: int) -> int:
                     found[cell, ring, place, i] = sums[i, lane]
         first = FORCE_TARGETS * next_part(work)
     return 0
-
-
-@handler(OWN_FORCES, _ARGUMENTS)
-def _own_forces_handler(frame: int) -> int:
-    return shared(frame, address_of(OWN_FORCES))

@@ -9,18 +9,15 @@ import math
 from typing import Any
 
 from celltrain.compiled.call_frame import (
-    FLAGS,
-    FLOATS,
-    INTEGERS,
     flags,
     integers,
     numbers,
     result,
     sizes,
 )
-from celltrain.compiled.parts import FAST, part
 from celltrain.compiled.scaled_erfc import SCALED_ERFC, SCALED_ERFC_MIDDLE
 from celltrain.compiled.shared_work import frame_of, next_part
+from celltrain.parts import FAST, part
 
 # exp(-x) is the 64th power of exp(-x/64), by its series about the middle of 0 <= x <= 40, beyond
 # which it is nothing.
@@ -28,8 +25,6 @@ _LARGEST, _MIDDLE = 40.0, 40.0 / 128.0
 _SERIES = tuple(math.exp(-_MIDDLE) * (-1.0) ** k / math.factorial(k) for k in range(12))
 _ERFC, _ERFC_MIDDLE = tuple(SCALED_ERFC[::-1]), SCALED_ERFC_MIDDLE
 _GAUSS = 2.0 / math.sqrt(math.pi)
-#: Types of the arguments of a loop over pairs.
-PAIR_ARGUMENTS = (FLOATS, FLOATS, FLOATS, FLAGS, INTEGERS, INTEGERS, FLAGS, FLOATS)
 
 
 @part(fastmath=FAST, inline="always")

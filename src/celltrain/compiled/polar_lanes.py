@@ -12,7 +12,7 @@ import numpy as np
 
 from celltrain.compiled.kernels import squared, stokeslet, stokeslet_scalars
 from celltrain.compiled.pairs import near_parts
-from celltrain.compiled.parts import FAST, part
+from celltrain.parts import FAST, part
 
 #: Numbers side by side: targets times components.
 LANES = 96
@@ -146,7 +146,7 @@ def pair_weights(given: np.ndarray, weights: np.ndarray) -> None:
                 weights[r, a, 1] = given[r, azimuths - 1 - a]
 
 
-@part(fastmath=FAST, forceinline=True)
+@part(fastmath=FAST)
 def _node(values: Any, sign: float, points: Any, i: int, xi: float) -> Any:
     """Velocity at target i by one node, of which `values` are the parts, [side, lane]."""
     d = (

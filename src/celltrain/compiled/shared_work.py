@@ -9,17 +9,18 @@ independent parts lets others take parts of it,
         ...
         return 0
 
-    @handler("name", (FLOATS,))
-    def handler_of_loop(frame_address):
-        return shared(frame_address, address_of("name"))
-
 where the loop computes the parts whose numbers `next_part` gives it until there are none left.
 Which thread computes a part changes nothing in it. Nobody waits for a thread to come: the caller
 takes parts as the others do, and when none is left it waits for those that are being computed. Who
 comes only then finds the work closed. What all share is a few words, released by the last.
+
+XLA knows the loop by what `answer` has made for its name, which finds the address of the loop's
+task only when it is called: programs can be compiled while the loops that they call are.
 """
 
+import ctypes
 from collections.abc import Callable
+from functools import cache
 from typing import Any, TypeAlias
 
 import llvmlite.binding
@@ -32,23 +33,23 @@ from numba.extending import intrinsic
 from celltrain.compiled.call_frame import (
     API,
     CONTEXT,
-    LOOPS_SERVE,
     NUMBER_OF_THREADS,
     SCHEDULE,
     Loop,
     answered,
     c_function,
+    handler,
     set_word,
     word,
 )
-from celltrain.compiled.parts import part
+from celltrain.parts import part
 
 # Types of what an intrinsic is called with and returns, and what writes its code.
 IntrinsicParts: TypeAlias = tuple[types.FunctionType, Callable[..., ir.Value]]
 
 # Words of the work: the frame, the loop's address, the next part, threads that compute, whether it
 # is closed, and who still holds its address.
-_FRAME, _LOOP, _NEXT, _COMPUTING, _CLOSED, _HOLDERS, _WORDS = range(7)
+FRAME, _LOOP, _NEXT, _COMPUTING, _CLOSED, _HOLDERS, WORDS = range(7)
 # Name of what helpers run.
 HELP = "celltrain_help"
 # Threads to which parts are offered; more would find little to do.
@@ -83,41 +84,60 @@ def _called(typing_context: Any, function: Any, argument: Any) -> Any:
 
 
 @intrinsic(prefer_literal=True)
-def address_of(typing_context: Context, name: types.Type) -> IntrinsicParts:
-    """Address of the task of a name, which the machine code finds when it is loaded."""
+def slot_of(typing_context: Context, name: types.Type) -> IntrinsicParts:
+    """Address of a task's slot, which the machine code finds when it is loaded."""
     symbol = _symbol(name.literal_value)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         word = ir.IntType(64)
-        function = cgutils.get_or_insert_function(
+        # Declared as a function: those are found wherever they lie.
+        place = cgutils.get_or_insert_function(
             builder.module, ir.FunctionType(word, [word]), symbol
         )
-        return builder.ptrtoint(function, word)
+        return builder.ptrtoint(place, word)
 
     return types.int64(name), generate
 
 
 def _symbol(name: str) -> str:
-    return f"{name}_task"
+    return f"{name}_slot"
+
+
+@cache
+def slot(name: str) -> ctypes.c_int64:
+    """Where the address of the task of a name stands, 0 until there is one."""
+    made = ctypes.c_int64(0)
+    llvmlite.binding.add_symbol(_symbol(name), ctypes.addressof(made))
+    return made
 
 
 def task(name: str) -> Callable[[Loop], Any]:
-    """Compile the task of a name, and let machine code find it, if loops serve here."""
+    """Compile the task of a name, and write its address in its slot."""
 
     def compiled(function: Loop) -> Any:
-        if not LOOPS_SERVE:
-            return function
         made = c_function(function)
-        llvmlite.binding.add_symbol(_symbol(name), made.address)
+        slot(name).value = made.address
         return made
 
     return compiled
 
 
+@cache
+def answer(name: str) -> Any:
+    """Compile what XLA calls by a name: it has the task of that name shared, once there is one."""
+    slot(name)
+
+    @handler(name)
+    def handle(frame: int) -> int:
+        return share(frame, slot_of(name))
+
+    return handle
+
+
 @part()
 def frame_of(work: int) -> int:
     """Address of the frame whose parts are computed."""
-    return word(work + 8 * _FRAME)
+    return word(work + 8 * FRAME)
 
 
 @part()
@@ -145,20 +165,23 @@ def help_with(work: int) -> int:
 
 
 @part()
-def shared(frame: int, loop: int) -> int:
-    """Compute all parts of a frame by the task at an address, with who comes to help.
+def share(frame: int, task_slot: int) -> int:
+    """Compute all parts of a frame by the task in a slot, with who comes to help.
 
-    The caller's own share of it is to help as well.
+    The caller's own share of it is to help as well. It waits for the task if another thread of
+    Python has yet to compile it.
     """
     if answered(frame):
         return 0
+    while _added(task_slot, 0) == 0:
+        _sched_yield()
     api, context = word(frame + 8 * API), word(frame + 8 * CONTEXT)
-    work, helper = _malloc(8 * _WORDS), address_of(HELP)
+    work, helper = _malloc(8 * WORDS), word(slot_of(HELP))
     helpers = max(0, min(_threads(api, context) - 1, _MOST_THREADS))
-    for place in range(_WORDS):
+    for place in range(WORDS):
         set_word(work + 8 * place, 0)
-    set_word(work + 8 * _FRAME, frame)
-    set_word(work + 8 * _LOOP, loop)
+    set_word(work + 8 * FRAME, frame)
+    set_word(work + 8 * _LOOP, word(task_slot))
     set_word(work + 8 * _HOLDERS, helpers + 2)
     for _ in range(helpers):
         _offer(api, context, helper, work)

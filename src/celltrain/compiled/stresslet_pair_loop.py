@@ -2,12 +2,11 @@
 
 from typing import Any
 
-from celltrain.compiled.call_frame import handler
 from celltrain.compiled.kernels import squared, stresslet_of_dyad, stresslet_scalars
 from celltrain.compiled.loops import STRESSLET_PAIRS
-from celltrain.compiled.pairs import PAIR_ARGUMENTS, add_pairs, near_parts
-from celltrain.compiled.parts import FAST, part
-from celltrain.compiled.shared_work import address_of, shared, task
+from celltrain.compiled.pairs import add_pairs, near_parts
+from celltrain.compiled.shared_work import task
+from celltrain.parts import FAST, part
 
 
 @part(fastmath=FAST)
@@ -26,12 +25,7 @@ def _stresslet_block(x: float, y: float, z: float, points: Any, dyads: Any, xi: 
     return u, v, w
 
 
-@task(STRESSLET_PAIRS)
+@task(STRESSLET_PAIRS.name)
 def _stresslet_pairs(work: int) -> int:
     add_pairs(work, _stresslet_block)
     return 0
-
-
-@handler(STRESSLET_PAIRS, PAIR_ARGUMENTS)
-def _stresslet_pairs_handler(frame: int) -> int:
-    return shared(frame, address_of(STRESSLET_PAIRS))

@@ -23,7 +23,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from celltrain.compiled import compiled_or_plain, loop
 from celltrain.compiled.kernels import UNFOLD, squared, stokeslet_gradient, stokeslet_matrix
-from celltrain.compiled.loops import FORCE_PAIRS, STRESSLET_PAIRS
+from celltrain.compiled.loops import FORCE_PAIRS, STRESSLET_PAIRS, CompiledLoop
 from celltrain.flow.ewald import near_scalars, near_slopes, near_stress_scalars
 from celltrain.flow.sources import Sources
 from celltrain.proximity.chunks import CHUNK, chunks_of
@@ -161,16 +161,16 @@ def pair_sums(
     """
     total = jnp.zeros((pairs.near.shape[0], *targets.shape))
     plain = partial(_pair_sums_formula, parameter)
-    for name, strengths in ((FORCE_PAIRS, (forces, None)), (STRESSLET_PAIRS, (None, stresslets))):
+    for over, strengths in ((FORCE_PAIRS, (forces, None)), (STRESSLET_PAIRS, (None, stresslets))):
         if any(each is not None for each in strengths):
-            compiled = partial(_pair_sums_loop, name, parameter)
+            compiled = partial(_pair_sums_loop, over, parameter)
             given = (pairs, targets, points, *strengths, period)
             total = total + compiled_or_plain(compiled, plain, *given)
     return total
 
 
 def _pair_sums_loop(
-    name: str,
+    over: CompiledLoop,
     parameter: float,
     pairs: NearPairs,
     targets: Array,
@@ -179,7 +179,7 @@ def _pair_sums_loop(
     stresslets: Array | None,
     period: Array,
 ) -> Array:
-    """The sums for one kind of sources, by the compiled loop of a name."""
+    """The sums for one kind of sources, by its compiled loop."""
     shape = (pairs.near.shape[0], *targets.shape)
     left_out = pairs.left_out
     if left_out is None:
@@ -188,7 +188,7 @@ def _pair_sums_loop(
     assert strengths is not None
     by_part = (jnp.swapaxes(each, 1, 2) for each in (points, strengths))
     places = (pairs.near, pairs.cells, left_out.rows, left_out.close)
-    return loop(name, shape, targets, *by_part, *places, jnp.stack([parameter, period]))
+    return loop(over, shape, targets, *by_part, *places, jnp.stack([parameter, period]))
 
 
 @pair_sums.defjvp

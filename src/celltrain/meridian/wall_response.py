@@ -31,7 +31,7 @@ import numpy as np
 from jaxtyping import Float
 from numba import njit
 
-_OPTIONS = {"fastmath": True, "cache": True, "error_model": "numpy"}
+from celltrain.parts import part
 
 Response = Float[np.ndarray, "wave wall 3 point"]
 
@@ -140,7 +140,7 @@ def uniform_ring_velocity(m: int) -> Float[np.ndarray, "1 3 3"]:
     return found[None]
 
 
-@njit(**_OPTIONS)
+@part(fastmath=True)
 @no_type_check
 def _flows(m, x, low, mid, high, top, flow):
     """The three regular flows in columns, from I_{m-1}, I_m, I_{m+1} and I_{m+2}."""
@@ -154,7 +154,7 @@ def _flows(m, x, low, mid, high, top, flow):
         flow[2, 0], flow[2, 1], flow[2, 2] = mid, mid, x * high
 
 
-@njit(**_OPTIONS)
+@part(fastmath=True)
 @no_type_check
 def _flow_slopes(m, x, low, mid, high, top, flow):
     """Their derivatives in x."""
@@ -173,7 +173,7 @@ def _flow_slopes(m, x, low, mid, high, top, flow):
         flow[2, 0], flow[2, 1], flow[2, 2] = mid_slope, mid_slope, along
 
 
-@njit(**_OPTIONS)
+@part(fastmath=True)
 @no_type_check
 def _inverse(matrix, found):
     """The inverse of a 3 x 3 matrix, its columns scaled first."""
@@ -195,7 +195,7 @@ def _inverse(matrix, found):
             found[i, j] /= determinant * scale[i]
 
 
-@njit(**_OPTIONS)
+@njit(fastmath=True, cache=True, error_model="numpy")
 @no_type_check
 def _fill_response(m, wave, radius, places, inside, on_wall, value, slope, pressure):
     low = abs(m - 1)

@@ -25,7 +25,7 @@ from celltrain.harmonics import (
     unit_vectors,
 )
 from celltrain.harmonics.grid import sphere_grid
-from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
+from celltrain.proximity.nearest import nearest_points
 from celltrain.proximity.walls import Wall
 
 # Patches, each finer than the last one by this factor; nodes of one from its middle to its edge.
@@ -40,13 +40,12 @@ Directions = Float[np.ndarray, "cell 3"]
 
 @dataclass(frozen=True)
 class _Grid:
-    """Points of the unit sphere, their harmonics, their spacing as an angle; nearest points."""
+    """Points of the unit sphere, their harmonics, their spacing as an angle."""
 
     angles: Float[np.ndarray, "point 2"]
     directions: Float[np.ndarray, "point 3"]
     values: Float[np.ndarray, "point coefficient"]
     spacing: float
-    search: NearestPointSearch
 
 
 @lru_cache(maxsize=4)
@@ -59,7 +58,6 @@ def _grid(degree: int) -> _Grid:
         directions=unit_vectors(*angles.T),
         values=np.asarray(grid.values),
         spacing=np.pi / order,
-        search=nearest_point_search(degree),
     )
 
 
@@ -91,7 +89,6 @@ def cell_distance(shapes: Shapes, length: float) -> Float[np.ndarray, " cell"]:
     closest = _closest_points(points, length)
     moved = displaced_along(shapes[closest.partner], closest.shift)
     angles, distance = nearest_points(
-        grid.search,
         points[cells[:, None], closest.points].reshape(-1, 3),
         np.repeat(cells, STARTS),
         moved,

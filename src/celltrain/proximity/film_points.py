@@ -16,7 +16,7 @@ from jaxtyping import Float, Int
 from celltrain.compiled.block_loops import close_on_host
 from celltrain.harmonics import Shapes, real_harmonics, surface_points
 from celltrain.proximity.boxes import close_boxes
-from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
+from celltrain.proximity.nearest import nearest_points
 from celltrain.proximity.own_sides import OwnSidesSearch, own_sides_search
 from celltrain.proximity.surface_grid import SurfaceGrid, Surfaces, surface_grid
 from celltrain.proximity.walls import Wall
@@ -72,7 +72,6 @@ class FilmGrid:
     fine: SurfaceGrid
     coarse_starts: Int[np.ndarray, " block"]
     starts: Int[np.ndarray, " block"]
-    search: NearestPointSearch
     own_sides: OwnSidesSearch
 
     def find(
@@ -114,7 +113,7 @@ class FilmGrid:
             )
         cell, other, node, guess = found.T
         guesses = self.fine.angles[guess]
-        angles, distance = nearest_points(self.search, points, other, shapes, guesses)
+        angles, distance = nearest_points(points, other, shapes, guesses)
         kept = distance < within
         nearest = real_harmonics(self.degree, *angles[kept].T)
         away = points[kept] - np.einsum("pk,pik->pi", nearest, shapes[other[kept]])
@@ -149,8 +148,6 @@ class FilmGrid:
 @lru_cache(maxsize=4)
 def film_grid(degree: int) -> FilmGrid:
     """Grids for the harmonics below `degree`."""
-    search = nearest_point_search(degree)
-    own = own_sides_search(
-        surface_grid(degree, COARSE * degree), surface_grid(degree, FINE * degree), search
-    )
-    return FilmGrid(degree, own.coarse, own.fine, own.starts, own.fine_starts, search, own)
+    coarse, fine = (surface_grid(degree, times * degree) for times in (COARSE, FINE))
+    own = own_sides_search(coarse, fine)
+    return FilmGrid(degree, own.coarse, own.fine, own.starts, own.fine_starts, own)

@@ -6,13 +6,11 @@ and the Hessian x_i . x_j + x_ij . (x - p), which follow from the coefficients s
 only those of orders 0, 1 and 2 take part. Each step moves the pole.
 
 `NearestPointSearch.of_valid` runs the iteration inside programs of JAX, for as many pairs as are
-valid, `nearest_points` outside, for any number of points on the host: both by compiled loops where
-these serve (`compiled.nearest_loop`), and by the formulas here elsewhere.
+valid: by a compiled loop where these serve (`compiled.nearest_loop`), and by the formulas here
+elsewhere. `nearest_points` runs the same loop outside programs.
 """
 
 import math
-from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 
 import equinox as eqx
 import jax
@@ -20,25 +18,22 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from celltrain.compiled import LOOPS_SERVE, compiled_or_plain, loop
+from celltrain.compiled import compiled_or_plain, loop
 from celltrain.compiled.loops import NEAREST
 from celltrain.compiled.nearest_search import (
     FOUND,
     LONGEST_STEP,
     MAX_ITERATIONS,
     SHORTEST_STEP,
-    nearest_on_host,
 )
+from celltrain.compiled.on_host import call_on_host
 from celltrain.harmonics import Shapes, degrees_and_orders
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.rotation import PoleRotation, pole_rotation
-from celltrain.programs import Program
 from celltrain.runtime import constant
 
 # Pairs at once; with many more their coefficients leave the cache.
 CHUNK = 64
-# Points that one thread searches for at once outside programs; fewer take less time than to share.
-AT_ONCE = 128
 
 # Count of steps; pole, jet there, squared distance, shortening of steps, end of each pair.
 State = tuple[Array, Array, Array, Array, Array, Array]
@@ -165,7 +160,6 @@ class NearestPointSearch(eqx.Module):
 
 
 def nearest_points(
-    search: NearestPointSearch,
     points: Float[np.ndarray, "point 3"],
     cells: Int[np.ndarray, " point"],
     shapes: Shapes,
@@ -175,45 +169,13 @@ def nearest_points(
 
     For points outside compiled programs, any number of them.
 
-    **Arguments:** `cells`: that of each point; `guesses`: as for the search, whose result this is.
+    **Arguments:** `cells`: that of each point; `guesses`: where the search begins.
     """
     if len(points) == 0:
         return np.zeros((0, 2)), np.zeros(0)
-    if LOOPS_SERVE:
-        # Copies, as arrays that cannot be written to would be another type, compiled anew.
-        at, of, near = (np.array(each, float, order="C") for each in (points, shapes, guesses))
-        cell = np.array(cells, np.int64, order="C")
-        begins = range(0, len(at), AT_ONCE)
-        parts = [slice(begin, begin + AT_ONCE) for begin in begins]
-        searched = _threads().map(
-            lambda part: nearest_on_host(at[part], cell[part], of, near[part]), parts
-        )
-        found = np.concatenate(list(searched))
-        return found[:, :2], found[:, 2]
-    angles, distances = np.zeros((len(points), 2)), np.zeros(len(points))
-    for start in range(0, len(points), CHUNK):
-        # What is beyond the last point repeats it.
-        number = np.minimum(np.arange(start, start + CHUNK), len(points) - 1)
-        chosen = (points[number], shapes[cells[number]], guesses[number])
-        one = _searched(search, *(jnp.asarray(each) for each in chosen))
-        angles[number] = np.stack([one.theta, one.phi], axis=-1)
-        distances[number] = one.distance
-    return angles, distances
-
-
-@cache
-def _threads() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor()
-
-
-@Program
-def _searched(
-    search: NearestPointSearch,
-    points: Float[Array, "pair 3"],
-    shapes: Float[Array, "pair 3 coefficient"],
-    guesses: Float[Array, "pair 2"],
-) -> NearestPoints:
-    return search(points, shapes, guesses)
+    given = (points, cells.astype(np.int64), shapes, guesses, np.ones(len(points), dtype=bool))
+    found = call_on_host(NEAREST, (len(points), FOUND), *given)
+    return found[:, :2], found[:, 2]
 
 
 def _dot(a: Array, b: Array) -> Array:

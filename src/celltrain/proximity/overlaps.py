@@ -13,7 +13,7 @@ from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.harmonics.tables import harmonic_tables
 from celltrain.proximity.boxes import close_boxes, image_shift
 from celltrain.proximity.film_points import film_grid
-from celltrain.proximity.nearest import NearestPointSearch, nearest_point_search, nearest_points
+from celltrain.proximity.nearest import nearest_points
 from celltrain.proximity.walls import NoWall, Wall
 
 # How far a surface may pass the bounding box of its grid points, over the box's largest side.
@@ -59,7 +59,6 @@ class _Tools:
     angles: Float[np.ndarray, "point 2"]
     values: Float[np.ndarray, "point coefficient"]
     slopes: tuple[Float[np.ndarray, "point coefficient"], Float[np.ndarray, "point coefficient"]]
-    search: NearestPointSearch
 
 
 @dataclass(frozen=True)
@@ -143,7 +142,6 @@ def _tools(degree: int, order: int) -> _Tools:
         angles=np.stack([theta, phi], axis=-1),
         values=np.asarray(tables.value),
         slopes=(np.asarray(tables.d_theta), np.asarray(tables.d_phi)),
-        search=nearest_point_search(degree),
     )
 
 
@@ -172,6 +170,6 @@ def _deepest(
         return 0.0, low
     cells = np.zeros(len(points), dtype=int)
     guesses = tools.angles[node]
-    _, signed = nearest_points(tools.search, points, cells, surface.shape[None], guesses)
+    _, signed = nearest_points(points, cells, surface.shape[None], guesses)
     deepest = int(np.argmin(signed))
     return max(0.0, -float(signed[deepest])), points[deepest]

@@ -18,7 +18,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
-from celltrain.compiled.block_loops import facing_on_host
+from celltrain.compiled.loops import FACING
+from celltrain.compiled.on_host import call_on_host
 from celltrain.harmonics import (
     Shape,
     Shapes,
@@ -27,7 +28,7 @@ from celltrain.harmonics import (
     unit_vectors,
 )
 from celltrain.harmonics.grid import sphere_grid
-from celltrain.proximity.nearest import NearestPointSearch, nearest_points
+from celltrain.proximity.nearest import nearest_points
 from celltrain.proximity.surface_grid import SurfaceGrid, Surfaces
 
 Points = Float[np.ndarray, "point 3"]
@@ -77,7 +78,6 @@ class OwnSidesSearch:
     fine_starts: Int[np.ndarray, " block"]
     parent: Int[np.ndarray, " point"]
     block: Int[np.ndarray, " node"]
-    search: NearestPointSearch
 
     def find(
         self, shapes: Shapes, surfaces: Surfaces, *, within: float
@@ -89,7 +89,8 @@ class OwnSidesSearch:
         points, areas, stretch = surfaces
         normals = areas / np.linalg.norm(areas, axis=-1, keepdims=True)
         far = 2.0 * self.coarse.spacing(stretch)
-        facing = facing_on_host(points, normals, self.starts, within, far)
+        distances = np.column_stack([np.full(len(far), within), far])
+        facing = call_on_host(FACING, points.shape[:2], points, normals, self.starts, distances) > 0
         reach = np.hypot(within, self.fine.spacing(stretch))
         found = []
         for cell in np.flatnonzero(facing.any(axis=1)):
@@ -116,7 +117,7 @@ class OwnSidesSearch:
         guess = node[np.asarray(index)[close]]
         node, here = node[close], here[close]
         cell, guesses = np.zeros(len(node), dtype=int), self.fine.angles[guess]
-        angles, signed = nearest_points(self.search, here, cell, shape[None], guesses)
+        angles, signed = nearest_points(here, cell, shape[None], guesses)
         own, other, first = (
             unit_vectors(*each.T) for each in (self.fine.angles[node], angles, guesses)
         )
@@ -174,9 +175,7 @@ def _winding(points: Nodes, areas: Nodes, at: Points) -> Float[np.ndarray, " poi
     return np.concatenate(found) / (4.0 * np.pi)
 
 
-def own_sides_search(
-    coarse: SurfaceGrid, fine: SurfaceGrid, search: NearestPointSearch
-) -> OwnSidesSearch:
+def own_sides_search(coarse: SurfaceGrid, fine: SurfaceGrid) -> OwnSidesSearch:
     """The search by two grids; which are put in the order of blocks."""
     # A block has the points next to one of a grid with a third as many rings.
     middles = unit_vectors(*sphere_grid(1, coarse.order // 3).points())
@@ -195,5 +194,4 @@ def own_sides_search(
         fine_starts=np.searchsorted(parent, starts),
         parent=parent,
         block=block,
-        search=search,
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from celltrain.later import imported_later
 from celltrain.results.lock import only_writer
 from celltrain.results.plain import Plain, plain, summary
+from celltrain.results.prepare import prepare
 from celltrain.results.replace import remove_leftovers, replace_file
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ __all__ = [
     "from_dataset",
     "only_writer",
     "plain",
+    "prepare",
     "read",
     "read_dataset",
     "remove_leftovers",

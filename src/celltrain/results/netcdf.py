@@ -83,13 +83,17 @@ def write_dataset(data: xr.Dataset, path: Path) -> Path:
     Raises:
         OSError: if the file cannot be written.
     """
-    # No fill values: every number is meant, and an infinite step is no gap in the data.
-    encoding = {name: {"_FillValue": None} for name in data.variables}
-    # Made in memory: a full disk then leaves no library with a file that it cannot close.
-    with _ONE_AT_A_TIME:
-        content = data.to_netcdf(None, engine="netcdf4", encoding=encoding)
+    content = content_of(data)
     replace_file(path, lambda part: part.write_bytes(content))
     return path
+
+
+def content_of(data: xr.Dataset) -> memoryview:
+    """A file's content, made in memory: a full disk leaves no library with a file to close."""
+    # No fill values: every number is meant, and an infinite step is no gap in the data.
+    encoding = {name: {"_FillValue": None} for name in data.variables}
+    with _ONE_AT_A_TIME:
+        return data.to_netcdf(None, engine="netcdf4", encoding=encoding)
 
 
 def read_dataset(path: str | Path) -> xr.Dataset:
