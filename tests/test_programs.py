@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -129,20 +130,38 @@ def test_what_a_program_calls_is_made_when_it_has_been_compiled(
     assert asked[3:] == made
 
 
-def test_what_is_called_is_made_all_the_same_if_there_is_no_program(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("failing", ["compile", "make"])
+def test_what_was_traced_for_a_program_that_failed_is_traced_anew(
+    failing: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What was traced may stand in another one; and without any it is made at once."""
+    """Or another one would take it, and wait for what it calls."""
+    full = [failing == "make"]
+
+    class Failing(Noted):
+        def make(self) -> None:
+            super().make()
+            if full[0]:
+                raise OSError("no space left")
+
     asked: list[str] = []
     monkeypatch.setattr(programs, "_callees", {})
     for name in ("first", "second"):
-        programs.offer(Noted(name, asked))
-    monkeypatch.setattr(jax.stages.Lowered, "compile", None)
-    with pytest.raises(TypeError):
-        Program(calling)(symmetric())
-    assert asked == ["declare first", "declare second", "make second", "make first"]
+        programs.offer(Failing(name, asked))
+    # Of its own, or what another test has traced would be taken.
+    inner = jax.jit(partial(calling))
+
+    def outer(values: jax.Array) -> jax.Array:
+        return inner(values)
+
+    with monkeypatch.context() as patch:
+        if failing == "compile":
+            patch.setattr(jax.stages.Lowered, "compile", None)
+        with pytest.raises((TypeError, OSError)):
+            Program(outer)(symmetric())
+    full[0] = False
+    assert asked[:2] == ["declare first", "declare second"]
     asked.clear()
-    jax.make_jaxpr(calling)(symmetric())
+    inner(symmetric())
     assert asked == ["declare first", "make first", "declare second", "make second"]
 
 

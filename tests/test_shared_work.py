@@ -4,6 +4,7 @@ import math
 import os
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from celltrain import programs
 from celltrain.compiled import loop
 from celltrain.compiled.call_frame import (
     FLOATS,
@@ -31,11 +33,12 @@ from celltrain.compiled.shared_work import (
     help_with,
     next_part,
     share,
+    slot,
     slot_of,
     task,
 )
 
-MARKING = "celltrain_test_marking"
+MARKING, FAILING = "celltrain_test_marking", "celltrain_test_failing"
 PARTS = 97
 
 
@@ -73,13 +76,13 @@ def _count(work: int) -> int:
             value = math.cos(value)
         found[part] += 1.0 + 0.0 * value
         part = next_part(work)
-    return 0
+    return 1
 
 
 @task(MARKING)
 def _mark(work: int) -> int:
     set_word(frame_of(work), 1)
-    return 0
+    return 1
 
 
 @task(SEEING.name)
@@ -92,7 +95,7 @@ def _see(work: int) -> int:
             if now > found[part]:
                 found[part] = now
         part = next_part(work)
-    return 0
+    return 1
 
 
 @task(DIVIDING.name)
@@ -103,7 +106,16 @@ def _divide(work: int) -> int:
     while part < found.size:
         found[part] = 1.0 / given[part]
         part = next_part(work)
-    return 0
+    return 1
+
+
+@task(FAILING)
+def _fail(work: int) -> int:
+    given = numbers(frame_of(work), 0)
+    if given[0] < 0.0:
+        raise ValueError("negative")
+    result(frame_of(work))[:] = given
+    return 1
 
 
 @jax.jit
@@ -145,6 +157,58 @@ def test_called_by_python() -> None:
     np.testing.assert_array_equal(call_on_host(DIVIDING, given.shape, given), 1.0 / given)
     with pytest.raises(TypeError, match=f"{DIVIDING.name} is given .*int64"):
         call_on_host(DIVIDING, (1,), np.arange(3))
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_loop_that_fails_gives_no_numbers() -> None:
+    failing = CompiledLoop(FAILING, __name__, (FLOATS,))
+    values = np.array([1.0, 2.0])
+    program = jax.jit(lambda given: loop(failing, (2,), given))
+    np.testing.assert_array_equal(program(values), values)
+    np.testing.assert_array_equal(program(-values), [np.nan, np.nan])
+    np.testing.assert_array_equal(call_on_host(failing, (2,), values), values)
+    with pytest.raises(RuntimeError, match=f"{FAILING} failed"):
+        call_on_host(failing, (2,), -values)
+
+
+def test_a_program_waits_for_a_loop_that_is_made_only_then() -> None:
+    """It is compiled before: what XLA calls looks for the loop when it is called."""
+    name = "celltrain_test_late"
+    late = CompiledLoop(name, __name__, (FLOATS,))
+    given = jnp.arange(1.0, 4.0)
+    with programs._called():
+        compiled = jax.jit(lambda values: loop(late, (3,), values)).lower(given).compile()
+        # The end of this would have it made, from a module that has no task of that name.
+    with ThreadPoolExecutor(1) as pool:
+        found = pool.submit(lambda: np.asarray(compiled(given)))
+        time.sleep(0.3)
+        assert not found.done()
+
+        @task(name)
+        def double(work: int) -> int:
+            if next_part(work) == 0:
+                result(frame_of(work))[:] = 2.0 * numbers(frame_of(work), 0)
+            return 1
+
+        np.testing.assert_array_equal(found.result(timeout=60.0), [2.0, 4.0, 6.0])
+
+
+def test_many_threads_declare_a_loop_at_once() -> None:
+    """XLA takes one handler of a name."""
+    for number in range(3):
+        each = CompiledLoop(f"celltrain_test_together_{number}", __name__, (FLOATS,))
+        begin = threading.Barrier(4)
+
+        def declare(each: CompiledLoop = each, begin: threading.Barrier = begin) -> object:
+            begin.wait()
+            each.declare()
+            return slot(each.name)
+
+        with ThreadPoolExecutor(4) as pool:
+            slots = [done.result() for done in [pool.submit(declare) for _ in range(4)]]
+        assert all(one is slots[0] for one in slots)
+        # Nothing was registered twice.
+        jax.jit(lambda values: values + 1.0)(jnp.ones(number + 1))
 
 
 def test_others_take_part() -> None:

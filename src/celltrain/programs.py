@@ -174,22 +174,23 @@ def call(callee: Callee) -> None:
 
 @contextmanager
 def _called() -> Iterator[set[str]]:
-    """Names of what is called by a program that is traced and compiled; all is made at the end.
-
-    At the end whatever happens: JAX may take what was traced for another program.
-    """
+    """Names of what is called by a program that is traced and compiled; all is made at the end."""
     before = _tracing.called
     names: set[str] = set()
     _tracing.called = names
     try:
         yield names
+        _make(names)
+    except BaseException:
+        # It would take what was traced for another program, which would wait for what it calls.
+        jax.clear_caches()
+        raise
     finally:
         _tracing.called = before
-        _make(names)
 
 
 def _make(names: Iterable[str]) -> None:
-    """Have all of them made: the last to be called first, as another process begins with others."""
+    """Have all of them made; last those with which another process begins (`compiled.ahead`)."""
     for name in reversed([each for each in _callees if each in names]):
         _callees[name].make()
 

@@ -58,8 +58,17 @@ def _missing(names: list[str]) -> list[str]:
     folder = getattr(kept, "cache_path", None)
     if folder is None:
         return []
-    files = {name: f"{LOOPS[name].module.rpartition('.')[2]}.*.nbi" for name in names}
-    return [name for name in names if not any(Path(folder).glob(files[name]))]
+    return [name for name in names if not _is_kept(LOOPS[name].module, Path(folder))]
+
+
+def _is_kept(module: str, folder: Path) -> bool:
+    """Whether Numba has kept something of a module since its file was changed."""
+    name = module.rpartition(".")[2]
+    source = Path(__file__).with_name(f"{name}.py")
+    kept = folder.glob(f"{name}.*.nbi")
+    with suppress(OSError):
+        return any(each.stat().st_mtime >= source.stat().st_mtime for each in kept)
+    return False
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:

@@ -15,10 +15,10 @@ Before the first call it asks for the version that the function was written for.
 for which `shared_work` has one that lets several threads run a loop. Arrays are handed over flat,
 in C order; it must not raise. Numba keeps the machine code beside the source files, or in its cache
 folder where these cannot be written, and looks for changes in the function's own file only: after
-one in another file of this folder remove what it has kept.
+one in another file (of this folder, or `parts`) remove what it has kept.
 
 All numbers below are compared with the header when this module is imported. Where they differ from
-it, or the machine is not one of 64 bits with the lowest byte first, no loop is compiled or used.
+it, or the machine is not one of 64 bits with the lowest byte first, XLA calls no loop.
 """
 
 import ctypes
@@ -128,7 +128,7 @@ def _obstacle() -> str | None:
 
 
 _REASON = _obstacle()
-#: Whether loops are compiled and used, on processors.
+#: Whether programs call loops, on processors.
 LOOPS_SERVE = _REASON is None
 if not LOOPS_SERVE:
     warnings.warn(

@@ -157,4 +157,4 @@ def _close_forces(work: int) -> int:
             for i in range(3):
                 found[pair, i] = sums[i, lane]
         number = next_part(work)
-    return 0
+    return 1

@@ -47,4 +47,4 @@ def _facing(work: int) -> int:
                         if height < within + BEND * (square - height * height):
                             found[p] = found[q] = 1.0
         cell = next_part(work)
-    return 0
+    return 1

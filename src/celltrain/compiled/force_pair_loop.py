@@ -27,4 +27,4 @@ def _force_block(x: float, y: float, z: float, points: Any, forces: Any, xi: flo
 @task(FORCE_PAIRS.name)
 def _force_pairs(work: int) -> int:
     add_pairs(work, _force_block)
-    return 0
+    return 1

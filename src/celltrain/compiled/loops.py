@@ -1,7 +1,7 @@
 """The loops, each made when a program first wants it.
 
 Making one takes Numba seconds, unless it has kept the machine code: no program waits for loops that
-it does without, and none is compiled before the program that calls it.
+it does without.
 """
 
 import os

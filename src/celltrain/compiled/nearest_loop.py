@@ -30,6 +30,9 @@ def _nearest(work: int) -> int:
     """Parts: `_PAIRS` pairs each."""
     frame = frame_of(work)
     pairs, _ = sizes(frame, 0)
+    first = _PAIRS * next_part(work)
+    if first >= pairs:
+        return 1
     cells, _, size = sizes(frame, 2)
     points = numbers(frame, 0).reshape((pairs, 3))
     cell_of, valid = integers(frame, 1), flags(frame, 4)
@@ -39,7 +42,6 @@ def _nearest(work: int) -> int:
     factors = search_factors(degree)
     arranged = arranged_shapes(numbers(frame, 2).reshape((cells, 3, size)), degree)
     functions, jets = np.zeros((FUNCTIONS, degree + 1, degree)), np.zeros((2, 6, 3))
-    first = _PAIRS * next_part(work)
     while first < pairs:
         for pair in range(first, min(first + _PAIRS, pairs)):
             if valid[pair] == 0:
@@ -50,4 +52,4 @@ def _nearest(work: int) -> int:
             shape = arranged[cell_of[pair]]
             search_one(points[pair], shape, guesses[pair], factors, functions, jets, found[pair])
         first = _PAIRS * next_part(work)
-    return 0
+    return 1

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from celltrain.compiled.call_frame import ARGUMENTS, DATA, RANK, RESULTS, SIZES
 from celltrain.compiled.loops import CompiledLoop
-from celltrain.compiled.shared_work import FRAME, WORDS, slot
+from celltrain.compiled.shared_work import FRAME, MOST_THREADS, WORDS, slot
 from celltrain.environment import processors
 
 _TASK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)
@@ -37,7 +37,8 @@ def call_on_host(
 ) -> Float[np.ndarray, "..."]:
     """Result of a loop, an array of the given shape; other threads share its work.
 
-    **Raises:** `TypeError` for arguments of other types than the loop's.
+    **Raises:** `TypeError` for arguments of other types than the loop's; `RuntimeError` if the loop
+    fails, which says why on standard error.
     """
     compiled.check(arguments)
     compiled.make()
@@ -49,17 +50,20 @@ def call_on_host(
     work[FRAME] = frame.ctypes.data
     run = _TASK(slot(compiled.name).value)
 
-    def take_part() -> object:
-        # Python lets go of its lock meanwhile. What is used lives as long as a thread uses it.
-        run(work.ctypes.data)
-        return frame, addresses, buffers
+    def take_part(*_: object) -> bool:
+        # Python lets go of its lock meanwhile.
+        return bool(run(work.ctypes.data) == 1)
 
-    helpers = [_threads().submit(take_part) for _ in range(processors() - 1)]
-    take_part()
-    for each in helpers:
-        # Those that have not begun would find nothing left.
-        if not each.cancel():
-            each.result()
+    # With what is used, which must live as long as a thread uses it.
+    helpers = [
+        _threads().submit(take_part, frame, addresses, buffers)
+        for _ in range(min(processors(), MOST_THREADS) - 1)
+    ]
+    done = [take_part()]
+    # Those that have not begun would find nothing left.
+    done += [each.result() for each in helpers if not each.cancel()]
+    if not all(done):
+        raise RuntimeError(f"{compiled.name} failed")
     return found
 
 

@@ -221,4 +221,4 @@ def _own_double_layer(work: int) -> int:
                     matrix, end = found[cell, ring, place], low * low if start else size
                     shift_back(back[:end], turns[place], lane, start, matrix)
         first = _TARGETS * next_part(work)
-    return 0
+    return 1

@@ -71,4 +71,4 @@ def _own_forces(work: int) -> int:
                 for i in range(3):
                     found[cell, ring, place, i] = sums[i, lane]
         first = FORCE_TARGETS * next_part(work)
-    return 0
+    return 1

@@ -7,9 +7,10 @@ independent parts lets others take parts of it,
     def loop(work_address):
         frame_address = frame_of(work_address)
         ...
-        return 0
+        return 1
 
-where the loop computes the parts whose numbers `next_part` gives it until there are none left.
+where the loop computes the parts whose numbers `next_part` gives it until there are none left, and
+returns 1 (an exception makes it return 0, and the result NaN).
 Which thread computes a part changes nothing in it. Nobody waits for a thread to come: the caller
 takes parts as the others do, and when none is left it waits for those that are being computed. Who
 comes only then finds the work closed. What all share is a few words, released by the last.
@@ -19,8 +20,9 @@ task only when it is called: programs can be compiled while the loops that they 
 """
 
 import ctypes
+import math
+import threading
 from collections.abc import Callable
-from functools import cache
 from typing import Any, TypeAlias
 
 import llvmlite.binding
@@ -39,6 +41,7 @@ from celltrain.compiled.call_frame import (
     answered,
     c_function,
     handler,
+    result,
     set_word,
     word,
 )
@@ -48,12 +51,12 @@ from celltrain.parts import part
 IntrinsicParts: TypeAlias = tuple[types.FunctionType, Callable[..., ir.Value]]
 
 # Words of the work: the frame, the loop's address, the next part, threads that compute, whether it
-# is closed, and who still holds its address.
-FRAME, _LOOP, _NEXT, _COMPUTING, _CLOSED, _HOLDERS, WORDS = range(7)
+# is closed, who still holds its address, and who failed.
+FRAME, _LOOP, _NEXT, _COMPUTING, _CLOSED, _HOLDERS, _FAILED, WORDS = range(8)
 # Name of what helpers run.
 HELP = "celltrain_help"
 # Threads to which parts are offered; more would find little to do.
-_MOST_THREADS = 16
+MOST_THREADS = 16
 
 _malloc = types.ExternalFunction("malloc", types.int64(types.uint64))
 _free = types.ExternalFunction("free", types.void(types.int64))
@@ -103,12 +106,18 @@ def _symbol(name: str) -> str:
     return f"{name}_slot"
 
 
-@cache
+_slots: dict[str, ctypes.c_int64] = {}
+_answers: dict[str, Any] = {}
+_one_at_a_time = threading.RLock()
+
+
 def slot(name: str) -> ctypes.c_int64:
     """Where the address of the task of a name stands, 0 until there is one."""
-    made = ctypes.c_int64(0)
-    llvmlite.binding.add_symbol(_symbol(name), ctypes.addressof(made))
-    return made
+    with _one_at_a_time:
+        if name not in _slots:
+            made = _slots[name] = ctypes.c_int64(0)
+            llvmlite.binding.add_symbol(_symbol(name), ctypes.addressof(made))
+        return _slots[name]
 
 
 def task(name: str) -> Callable[[Loop], Any]:
@@ -122,16 +131,19 @@ def task(name: str) -> Callable[[Loop], Any]:
     return compiled
 
 
-@cache
 def answer(name: str) -> Any:
     """Compile what XLA calls by a name: it has the task of that name shared, once there is one."""
-    slot(name)
 
-    @handler(name)
     def handle(frame: int) -> int:
         return share(frame, slot_of(name))
 
-    return handle
+    # So that Numba keeps each in a file of its own.
+    handle.__qualname__ = f"answer_{name}"
+    with _one_at_a_time:
+        if name not in _answers:
+            slot(name)
+            _answers[name] = handler(name)(handle)
+        return _answers[name]
 
 
 @part()
@@ -157,8 +169,8 @@ def help_with(work: int) -> int:
     """Run the work's task on the parts that it can get, unless the work is closed already."""
     _added(work + 8 * _COMPUTING, 1)
     # Only then: who closes the work waits for all that are counted.
-    if _added(work + 8 * _CLOSED, 0) == 0:
-        _called(word(work + 8 * _LOOP), work)
+    if _added(work + 8 * _CLOSED, 0) == 0 and _called(word(work + 8 * _LOOP), work) != 1:
+        _added(work + 8 * _FAILED, 1)
     _added(work + 8 * _COMPUTING, -1)
     _release(work)
     return 0
@@ -177,7 +189,7 @@ def share(frame: int, task_slot: int) -> int:
         _sched_yield()
     api, context = word(frame + 8 * API), word(frame + 8 * CONTEXT)
     work, helper = _malloc(8 * WORDS), word(slot_of(HELP))
-    helpers = max(0, min(_threads(api, context) - 1, _MOST_THREADS))
+    helpers = max(0, min(_threads(api, context) - 1, MOST_THREADS))
     for place in range(WORDS):
         set_word(work + 8 * place, 0)
     set_word(work + 8 * FRAME, frame)
@@ -189,6 +201,10 @@ def share(frame: int, task_slot: int) -> int:
     _added(work + 8 * _CLOSED, 1)
     while _added(work + 8 * _COMPUTING, 0) > 0:
         _sched_yield()
+    if _added(work + 8 * _FAILED, 0) > 0:
+        found = result(frame)
+        for place in range(found.size):
+            found[place] = math.nan
     _release(work)
     return 0
 

@@ -28,4 +28,4 @@ def _stresslet_block(x: float, y: float, z: float, points: Any, dyads: Any, xi: 
 @task(STRESSLET_PAIRS.name)
 def _stresslet_pairs(work: int) -> int:
     add_pairs(work, _stresslet_block)
-    return 0
+    return 1

@@ -173,8 +173,9 @@ def nearest_points(
     """
     if len(points) == 0:
         return np.zeros((0, 2)), np.zeros(0)
-    given = (points, cells.astype(np.int64), shapes, guesses, np.ones(len(points), dtype=bool))
-    found = call_on_host(NEAREST, (len(points), FOUND), *given)
+    at, of, near = (np.asarray(each, float) for each in (points, shapes, guesses))
+    given = (at, cells.astype(np.int64), of, near, np.ones(len(at), dtype=bool))
+    found = call_on_host(NEAREST, (len(at), FOUND), *given)
     return found[:, :2], found[:, 2]
 
 

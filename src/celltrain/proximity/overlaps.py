@@ -54,7 +54,7 @@ class Overlap:
 
 @dataclass(frozen=True)
 class _Tools:
-    """Points of a grid, values and slopes of the harmonics there, and the search."""
+    """Points of a grid, and values and slopes of the harmonics there."""
 
     angles: Float[np.ndarray, "point 2"]
     values: Float[np.ndarray, "point coefficient"]
