@@ -17,7 +17,7 @@ from measuring import Work, run_stage
 from celltrain import Train, steady
 from celltrain.flow import Sources
 from celltrain.membrane import place_cells
-from celltrain.train import CellsOperator, resting_shapes, train_operator
+from celltrain.train import CellsOperator, resting_shapes, train_coupling, train_operator
 
 TRAIN = Train(diameter=6, packing=0.2, cells=8, degree=12)
 # Size of the disturbance (r0) that makes the shapes of the train different from each other.
@@ -106,7 +106,7 @@ def _wall_flow(operator: CellsOperator, targets: jax.Array, boundary: jax.Array)
 def _viscous(ratio: float) -> Work:
     """The evaluation at another viscosity ratio; says how many iterations each ratio takes."""
     train = TRAIN.changed(viscosity_ratio=ratio)
-    operator = train_operator(train, cells=train.cells)
+    operator = train_operator(train, cells=train.cells, coupling=train_coupling(steady(train)))
     shapes = _disturbed()
     compiled = eqx.filter_jit(lambda operator, shapes: operator.solved_rates(shapes))
     for each in RATIOS:

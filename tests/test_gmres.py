@@ -31,13 +31,30 @@ def test_solution_residual_and_count() -> None:
         solution, convergence = solve(tolerance)
         residual = np.linalg.norm(matrix @ solution.ravel() - right) / np.linalg.norm(right)
         assert 1e-3 * tolerance < residual < tolerance
-        # The residual of the recurrence is the true one.
+        # No correction here, where the matrix is far from 1: it is that of the recurrence.
         assert_allclose(convergence.residual, residual, rtol=1e-2)
         counts.append(int(convergence.iterations))
     assert counts[0] < counts[1] < counts[2] <= 40
     _, convergence = solve(1e-12, iterations=5)
     assert convergence.iterations == 5
     assert convergence.residual > 1e-4
+
+
+def test_close_to_one_the_last_correction_takes_no_iteration() -> None:
+    """Each iteration takes the residual to a hundredth: 1e-5 would take three of them."""
+    matrix, right = problem()
+    matrix = np.eye(len(right)) + 0.02 * (matrix - np.eye(len(right)))
+    for tolerance, iterations in ((1e-1, 1), (1e-5, 2), (1e-7, 3)):
+        solution, convergence = gmres(
+            lambda x: jnp.asarray(matrix) @ x,
+            jnp.asarray(right),
+            tolerance=tolerance,
+            iterations=9,
+        )
+        residual = np.linalg.norm(matrix @ solution - right) / np.linalg.norm(right)
+        assert int(convergence.iterations) == iterations
+        assert 0.05 * convergence.residual < residual
+        assert residual < 1.01 * convergence.residual < tolerance
 
 
 def test_few_eigenvalues_take_few_iterations() -> None:

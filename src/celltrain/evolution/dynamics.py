@@ -30,7 +30,7 @@ from celltrain.runtime import constant
 from celltrain.stability import paper_weights
 from celltrain.steady import Base
 from celltrain.surroundings import Surroundings, train_tube
-from celltrain.train import CellsOperator, train_operator
+from celltrain.train import CellsOperator, train_coupling, train_operator
 
 # Corrections of the volume after a step; Newton's method needs no more.
 VOLUME_ITERATIONS = 2
@@ -157,7 +157,8 @@ def train_dynamics(
     """
     train = base.train
     tube = train_tube(train)
-    operator = train_operator(train, cells=train.cells, wall_gap=wall_gap)
+    coupling = None if train.flow.viscosity_ratio == 1.0 else train_coupling(base)
+    operator = train_operator(train, cells=train.cells, wall_gap=wall_gap, coupling=coupling)
     shapes = place_cells(base.coefficients, train, train.cells)
     return Dynamics(
         operator=operator,

@@ -7,13 +7,11 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Complex, Float
 
-from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis, degree_of, degrees_and_orders
+from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis, degree_of, turned_family
 from celltrain.stability import Stability, paper_weights
 
 # Part of a disturbance's square norm that may lie outside the azimuthal numbers that are known.
 NEGLIGIBLE = 1e-9
-
-Family = Float[np.ndarray, "member 3 coefficient"]
 
 
 @dataclass(frozen=True)
@@ -94,18 +92,3 @@ def linear_prediction(
                     weight_x = gram_x * (copies / cells)
                     parts.append(Part(result.blocks[m][wave], vector, weight, weight_x))
     return LinearPrediction(tuple(parts) if covered > (1.0 - NEGLIGIBLE) * total else ())
-
-
-def turned_family(basis: Family, m: int) -> Family:
-    """Disturbances turned by pi/(2 m) about the axis, shapes and parameters alike.
-
-    x'(theta, phi) = R x(theta, phi - angle), with R the rotation by the angle.
-    """
-    angle = np.pi / (2 * m)
-    n, order = degrees_and_orders(degree_of(basis))
-    partner = n * n + n - order
-    # cos(k (phi - a)) = cos(k a) cos(k phi) + sin(k a) sin(k phi), and the like for the sine.
-    shifted = np.cos(order * angle) * basis - np.sin(order * angle) * basis[..., partner]
-    cosine, sine = np.cos(angle), np.sin(angle)
-    rotation = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    return np.einsum("ij,ujk->uik", rotation, shifted)

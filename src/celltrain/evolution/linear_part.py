@@ -24,8 +24,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float
 
-from celltrain.evolution.linear import turned_family
-from celltrain.harmonics import Shapes, azimuthal_basis
+from celltrain.harmonics import Shapes, azimuthal_basis, turned_family
 from celltrain.membrane import place_cells
 from celltrain.stability.linearise import linear_blocks
 from celltrain.steady import Base

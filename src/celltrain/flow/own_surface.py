@@ -35,7 +35,7 @@ from celltrain.harmonics.polar import PolarTables, polar_rotation, polar_tables
 from celltrain.runtime import constant
 
 # Degrees that see the difference of the near kernel and that in free space: it is smooth.
-SMOOTH_DEGREE = 6
+SMOOTH_DEGREE = 12
 
 # Of the six `SYMMETRIC` components.
 Kernel = Float[Array, "cell ring azimuth 6 coefficient"]

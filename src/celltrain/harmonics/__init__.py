@@ -7,7 +7,12 @@ other poles), and `jax_shapes` (what arrays of shapes are called there).
 
 from celltrain.harmonics.azimuthal import azimuthal_weight, cylindrical_members, member_count
 from celltrain.harmonics.basis import coefficient_index, degrees_and_orders, real_harmonics
-from celltrain.harmonics.families import axisymmetric_basis, azimuthal_basis, azimuthal_families
+from celltrain.harmonics.families import (
+    axisymmetric_basis,
+    azimuthal_basis,
+    azimuthal_families,
+    turned_family,
+)
 from celltrain.harmonics.legendre import LegendreTables, legendre_functions, legendre_tables
 from celltrain.harmonics.nodes import about_pole, gauss_colatitudes, polar_nodes, unit_vectors
 from celltrain.harmonics.profile import Profile, coefficients_of, profile_of, project_meridian
@@ -50,5 +55,6 @@ __all__ = [
     "project_meridian",
     "real_harmonics",
     "surface_points",
+    "turned_family",
     "unit_vectors",
 ]

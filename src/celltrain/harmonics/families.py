@@ -12,7 +12,8 @@ the same dynamics. For m = 0 the second family, the swirl about the axis, is a b
 import numpy as np
 from jaxtyping import Float
 
-from celltrain.harmonics.basis import coefficient_index
+from celltrain.harmonics.basis import coefficient_index, degrees_and_orders
+from celltrain.harmonics.shapes import degree_of
 
 Family = Float[np.ndarray, "member 3 coefficient"]
 
@@ -61,3 +62,18 @@ def azimuthal_basis(degree: int, m: int) -> Float[np.ndarray, "member 3 coeffici
 def axisymmetric_basis(degree: int) -> Float[np.ndarray, "member 3 coefficient"]:
     """Orthonormal basis of the axisymmetric shapes without swirl; member 0 moves the cell in z."""
     return np.concatenate(azimuthal_families(degree, 0)[:2])
+
+
+def turned_family(basis: Family, m: int) -> Family:
+    """Disturbances turned by pi/(2 m) about the axis, shapes and parameters alike.
+
+    x'(theta, phi) = R x(theta, phi - angle), with R the rotation by the angle.
+    """
+    angle = np.pi / (2 * m)
+    n, order = degrees_and_orders(degree_of(basis))
+    partner = n * n + n - order
+    # cos(k (phi - a)) = cos(k a) cos(k phi) + sin(k a) sin(k phi), and the like for the sine.
+    shifted = np.cos(order * angle) * basis - np.sin(order * angle) * basis[..., partner]
+    cosine, sine = np.cos(angle), np.sin(angle)
+    rotation = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    return np.einsum("ij,ujk->uik", rotation, shifted)

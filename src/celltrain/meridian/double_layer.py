@@ -47,26 +47,30 @@ class DoubleLayer:
 
     def blocks(self, m: int, phases: Sequence[float]) -> Complex[np.ndarray, "phase member member"]:
         """K_m(q) for phases q (radians per cell), in the members of azimuthal number m."""
+        members = self._flow.targets.members(m)
+        velocity = member_matrix(self._own.at, STRESS, m) - self._constants.carried(members)
+        velocity = velocity - 0.5 * members.transpose(2, 0, 1)
+        return self._block(m, velocity) + self.blocks_of_others(m, phases)
+
+    def blocks_of_others(
+        self, m: int, phases: Sequence[float]
+    ) -> Complex[np.ndarray, "phase member member"]:
+        """The part of K_m(q) that does not come from the cell's own surface in free space."""
         flow, area = self._flow, self._area
-        members = flow.targets.members(m)
-        without = self._without_inflation(m)
-        displaced = flow.sources.sources(m) @ without
-        still = member_matrix(self._own.at, STRESS, m) - self._constants.carried(members)
-        still = still - 0.5 * members.transpose(2, 0, 1)
+        displaced = flow.sources.sources(m) @ self._without_inflation(m)
         images = {p: member_matrix(each.at, STRESS, m) for p, each in self._images.items()}
         moments = flow.tail.of_stresses(m, area, displaced)
         found = []
         for q in phases:
-            velocity = still + sum(np.exp(1j * q * p) * each for p, each in images.items())
-            velocity = velocity + flow.tail.velocity(m, q, moments)
+            velocity = flow.tail.velocity(m, q, moments)
+            velocity = velocity + sum(np.exp(1j * q * p) * each for p, each in images.items())
             for wall in flow.wall_flows(q, m):
                 velocity += wall.velocity(wall.of_stresses(area, displaced))
             if m == 0 and q == ALIKE:
                 (z, rho), radius = flow.source_places, flow.radius
                 flux = flow_rate.stress_flux(area, z, rho, radius, flow.period, displaced)
                 velocity[:, 2] -= np.outer(flow_rate.parabola(flow.places[1], radius), flux)
-            block = flow.targets.projection(m) @ velocity.reshape(-1, velocity.shape[-1])
-            found.append(self._volume_kept(m, block))
+            found.append(self._block(m, velocity))
         return np.stack(found)
 
     def equation(
@@ -84,8 +88,9 @@ class DoubleLayer:
         n = self._flow.volume_gradient
         return np.eye(size) - np.outer(n, n) / (n @ n)
 
-    def _volume_kept(self, m: int, block: np.ndarray) -> np.ndarray:
-        """K u changes no volume."""
+    def _block(self, m: int, velocity: np.ndarray) -> np.ndarray:
+        """The block of a velocity at the targets, less the changes of volume that K has none of."""
+        block = self._flow.targets.projection(m) @ velocity.reshape(-1, velocity.shape[-1])
         if m > 0:
             return block
         n = self._flow.volume_gradient

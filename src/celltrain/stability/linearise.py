@@ -67,6 +67,16 @@ class LinearDynamics:
             return found
         return np.linalg.solve(self._layer.equation(m, phases, self._ratio), found)
 
+    def coupling(
+        self, m: int, phases: Sequence[float] | np.ndarray
+    ) -> Complex[np.ndarray, "phase member member"]:
+        """The part of K_m(q) that does not come from a cell's own surface in free space.
+
+        Of cells whose viscosity differs from the plasma's; in the basis of the blocks.
+        """
+        assert self._layer is not None
+        return self._layer.blocks_of_others(m, [float(q) for q in phases])
+
 
 def smallest(phases: Sequence[float] | np.ndarray) -> float:
     """The smallest phase q > 0 that the sums over images have to serve."""

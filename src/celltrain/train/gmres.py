@@ -4,6 +4,12 @@ JAX's own needs the transpose of the operator even if only the solution is asked
 over a number of pairs that depends on the data do not have; Lineax's looks at the residual only
 when it restarts. Method: Saad & Schultz 1986, with each new vector made orthogonal twice, so that
 the residual in its recurrence is the true one up to rounding and need not be computed again.
+
+The operators here are preconditioned, A = 1 - E with a small E. With r the residual of x, that of
+x + r is E r, about |E| |r|: the correction that one more iteration would bring is had without it.
+|E| is taken to be twice the largest |E v| of the vectors of the basis but the first, for the right
+side is mostly a rigid motion, of which E makes nothing. Nothing is corrected before there is a
+second one, or where |E| is not below 1.
 """
 
 from collections.abc import Callable
@@ -18,16 +24,22 @@ Operator = Callable[[Array], Array]
 
 
 class Iterations(eqx.Module):
-    """Applications of the operator, and the residual relative to |b|."""
+    """Applications of the operator, and an estimate of the residual relative to |b|."""
 
     iterations: Int[Array, ""]
     residual: Float[Array, ""]
 
 
 class _Arnoldi(eqx.Module):
-    """Orthonormal basis, triangular factor of the projected operator, rotations that made it so."""
+    """Orthonormal basis, triangular factor of the projected operator, rotations that made it so.
+
+    `images`: what the operator gives of the basis; `change`: the largest difference between a
+    vector but the first and its image.
+    """
 
     basis: Float[Array, "vector size"]
+    images: Float[Array, "step size"]
+    change: Float[Array, ""]
     triangle: Float[Array, "step step"]
     cosine: Float[Array, " step"]
     sine: Float[Array, " step"]
@@ -62,6 +74,8 @@ def _solve(
     scale = jnp.linalg.norm(flat)
     start = _Arnoldi(
         basis=jnp.zeros((iterations + 1, flat.size)).at[0].set(flat / _safe(scale)),
+        images=jnp.zeros((iterations, flat.size)),
+        change=jnp.array(0.0),
         triangle=jnp.eye(iterations),
         cosine=jnp.ones(iterations),
         sine=jnp.zeros(iterations),
@@ -70,7 +84,7 @@ def _solve(
     )
 
     def goes_on(state: _Arnoldi) -> Array:
-        return (jnp.abs(state.right[state.step]) > tolerance * scale) & (state.step < iterations)
+        return (_residual(state) > tolerance * scale) & (state.step < iterations)
 
     def on(state: _Arnoldi) -> _Arnoldi:
         # The operator is large to compile: it is here alone.
@@ -82,8 +96,19 @@ def _solve(
     used = jnp.where(jnp.arange(iterations) < last.step, last.right[:-1], 0.0)
     amounts = jax.scipy.linalg.solve_triangular(last.triangle, used)
     solution = amounts @ last.basis[:-1]
-    residual = jnp.abs(last.right[last.step]) / _safe(scale)
-    return solution.reshape(right.shape), Iterations(last.step, residual)
+    corrected = solution + (flat - amounts @ last.images)
+    solution = jnp.where(_reduction(last) < 1.0, corrected, solution)
+    return solution.reshape(right.shape), Iterations(last.step, _residual(last) / _safe(scale))
+
+
+def _reduction(state: _Arnoldi) -> Float[Array, ""]:
+    """Of the residual by the last correction; 1 where there is none."""
+    return jnp.where(state.step > 1, jnp.minimum(1.0, 2.0 * state.change), 1.0)
+
+
+def _residual(state: _Arnoldi) -> Float[Array, ""]:
+    """The residual after the last correction."""
+    return _reduction(state) * jnp.abs(state.right[state.step])
 
 
 def _extended(image: Array, state: _Arnoldi) -> _Arnoldi:
@@ -92,6 +117,8 @@ def _extended(image: Array, state: _Arnoldi) -> _Arnoldi:
     **Arguments:** `image`: what the operator gives of the basis's last vector.
     """
     step, basis = state.step, state.basis
+    images = state.images.at[step].set(image)
+    change = jnp.where(step > 0, jnp.linalg.norm(image - basis[step]), 0.0)
     column = basis @ image
     image = image - column @ basis
     again = basis @ image
@@ -113,6 +140,8 @@ def _extended(image: Array, state: _Arnoldi) -> _Arnoldi:
     right = state.right[step]
     return _Arnoldi(
         basis=basis.at[step + 1].set(image / _safe(length)),
+        images=images,
+        change=jnp.maximum(state.change, change),
         triangle=state.triangle.at[:, step].set(column),
         cosine=state.cosine.at[step].set(cosine),
         sine=state.sine.at[step].set(sine),

@@ -14,7 +14,8 @@ the discrete K is made to obey them, so that no viscosity ratio makes the equati
   becomes singular as lam falls.
 
 The equation is solved by GMRES, preconditioned with each cell's own equation in free space, which
-shares both properties; the derivative follows implicitly from the same equation.
+shares both properties, and near a known steady train with what its cells give each other
+(`coupling`); the derivative follows implicitly from the same equation.
 """
 
 from collections.abc import Callable
@@ -23,10 +24,11 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import jax.scipy.linalg
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from celltrain.compiled.kernels import UNFOLD
 from celltrain.harmonics.jax_shapes import JaxShapes
+from celltrain.train.coupling import Coupling
 from celltrain.train.gmres import Iterations, gmres
 
 Motions = JaxShapes
@@ -82,19 +84,34 @@ class InteriorFlow(eqx.Module):
         ratio: Float[Array, ""],
         free_rates: Motions,
         *,
+        coupling: tuple[Coupling, Bool[Array, ""]] | None = None,
         tolerance: float,
         iterations: int,
     ) -> tuple[Motions, Iterations]:
         """The motion u for the given b.
 
-        **Arguments:** `tolerance`: of the residual of the preconditioned equation, which is about
-        the error of u, relative to u; `iterations`: at most.
+        **Arguments:** `coupling`: one that is known, and whether it serves; `tolerance`: of the
+        residual of the preconditioned equation, which is about the error of u, relative to u;
+        `iterations`: at most.
         """
         factors = jax.vmap(jax.scipy.linalg.lu_factor)(self.own_equation(ratio))
 
-        def preconditioned(flow: Motions) -> Motions:
+        def alone(flow: Motions) -> Motions:
             flat = flow.reshape(flow.shape[0], -1)
             return jax.vmap(jax.scipy.linalg.lu_solve)(factors, flat).reshape(flow.shape)
+
+        def preconditioned(flow: Motions) -> Motions:
+            motions = alone(flow)
+            if coupling is None:
+                return motions
+            known, serves = coupling
+
+            # Of the inverse of both together the first two terms in the coupling.
+            def with_others(motions: Motions) -> Motions:
+                return alone(flow + (1.0 - ratio) * known(motions))
+
+            found: Motions = jax.lax.cond(serves, with_others, lambda motions: motions, motions)
+            return found
 
         def equation(motions: Motions) -> Motions:
             flow = 0.5 * (1.0 + ratio) * motions - (1.0 - ratio) * self.apply(outer, motions)

@@ -33,6 +33,7 @@ from celltrain.membrane.energy import Membrane, make_membrane
 from celltrain.parameters import CaseError, Cell, Resolution, Train
 from celltrain.runtime import check_jax, constant
 from celltrain.surroundings import FlowRules, Surroundings, train_tube
+from celltrain.train.coupling import Coupling
 from celltrain.train.gmres import Iterations
 from celltrain.train.interior import InteriorFlow, Outer, interior_flow
 from celltrain.train.source_grid import SourceGrid, source_grid
@@ -64,6 +65,7 @@ class CellsOperator(eqx.Module):
     coarse_grid: SourceGrid | None
     target_grid: SphereGrid
     viscosity_ratio: Float[Array, ""] | None
+    coupling: Coupling | None
     solver_tolerance: float = eqx.field(static=True)
 
     def rates(self, shapes: JaxShapes, added: JaxShapes | None = None) -> JaxShapes:
@@ -80,10 +82,14 @@ class CellsOperator(eqx.Module):
         free_rates = self.free_rates(shapes, added)
         if self.viscosity_ratio is None:
             return free_rates, None
+        known = None
+        if self.coupling is not None:
+            known = (self.coupling, self.coupling.serves(shapes))
         rates, convergence = self.interior_flow(shapes).solve(
             self.outer_motion(shapes),
             self.viscosity_ratio,
             free_rates,
+            coupling=known,
             tolerance=self.solver_tolerance,
             iterations=SOLVER_ITERATIONS,
         )
@@ -254,10 +260,11 @@ def train_operator(
     cells: int = 1,
     close: bool = True,
     wall_gap: float | None = None,
+    coupling: Coupling | None = None,
 ) -> CellsOperator:
     """The operator for `cells` cells of a train in a period of their own.
 
-    **Arguments:** `close`, `wall_gap`: as for `cells_operator`.
+    **Arguments:** `close`, `wall_gap`, `coupling`: as for `cells_operator`.
 
     **Raises:** `UnsuitableSetting` where JAX is set so that it cannot compute it.
     """
@@ -268,6 +275,7 @@ def train_operator(
         viscosity_ratio=train.flow.viscosity_ratio,
         close=close,
         wall_gap=wall_gap,
+        coupling=coupling,
     )
 
 
@@ -279,6 +287,7 @@ def cells_operator(
     viscosity_ratio: float = 1.0,
     close: bool = True,
     wall_gap: float | None = None,
+    coupling: Coupling | None = None,
 ) -> CellsOperator:
     """The operator for equal cells, as many as its shapes say, in any surroundings.
 
@@ -288,6 +297,8 @@ def cells_operator(
     - `close`: whether cells may come closer to each other or to the wall than `close_distance`.
     - `wall_gap`: smallest distance of a cell from the wall for which the wall is resolved, in r0;
       by default that of a resting cell about the origin.
+    - `coupling`: what the cells of a steady train give each other, which lets the flow inside cells
+      be found in fewer iterations near that train.
 
     **Raises:** `UnsuitableSetting` where JAX is set so that it cannot compute it; `CaseError` for a
     resolution without a degree.
@@ -334,5 +345,6 @@ def cells_operator(
         coarse_grid=source_grid(sizes.degree, order // 2) if halved else None,
         target_grid=target_grid,
         viscosity_ratio=None if viscosity_ratio == 1.0 else constant(float(viscosity_ratio)),
+        coupling=coupling,
         solver_tolerance=SOLVER_TOLERANCE * resolution.tolerance,
     )

@@ -1,0 +1,88 @@
+"""What the cells of a steady train give each other, on the meridian and by the operator in JAX."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from celltrain import Train, steady
+from celltrain.train import CellsOperator, Coupling, train_coupling, train_operator
+from celltrain.train.gmres import Iterations
+from celltrain.train.interior import _by_cell
+
+TRAIN = Train(diameter=5, packing=0.4, cells=3, degree=8, viscosity_ratio=5.0)
+
+
+@pytest.fixture(scope="module")
+def coupling() -> Coupling:
+    return train_coupling(steady(TRAIN))
+
+
+@pytest.fixture(scope="module")
+def operator() -> CellsOperator:
+    return train_operator(TRAIN, cells=TRAIN.cells)
+
+
+@eqx.filter_jit
+def solved(operator: CellsOperator, shapes: jax.Array) -> tuple[jax.Array, Iterations | None]:
+    return operator.solved_rates(shapes)
+
+
+@pytest.mark.parametrize(
+    ("finer", "tolerance"), [({}, 4e-4), ({"target_order": 20, "source_order": 40}, 8e-5)]
+)
+def test_it_is_what_lies_beside_the_own_surfaces(finer: dict[str, int], tolerance: float) -> None:
+    """Of all motions without a rigid part that keep the volumes: two independent operators."""
+    train = TRAIN.changed(**finer)
+    coupling = train_coupling(steady(train))
+    operator = train_operator(train, cells=train.cells)
+
+    @eqx.filter_jit
+    def both(operator: CellsOperator, motions: jax.Array) -> tuple[jax.Array, jax.Array]:
+        interior = operator.interior_flow(coupling.steady)
+        rest = interior.without_inflation(motions - interior.rigid_part(motions))
+        own = _by_cell(interior.free, rest) - 0.5 * interior.rigid_part(motions)
+        whole = interior.apply(operator.outer_motion(coupling.steady), motions)
+        return whole - interior.without_inflation(own), coupling(rest)
+
+    random = np.random.default_rng(0)
+    motions = jnp.asarray(random.normal(size=coupling.steady.shape))
+    expected, found = both(operator, motions)
+    assert np.linalg.norm(found) > 0.2
+    assert_allclose(found, expected, rtol=0, atol=tolerance * np.linalg.norm(found))
+
+
+def test_it_saves_iterations_and_changes_nothing(
+    operator: CellsOperator, coupling: Coupling
+) -> None:
+    better = eqx.tree_at(
+        lambda each: each.coupling, operator, coupling, is_leaf=lambda each: each is None
+    )
+    random = np.random.default_rng(1)
+    low = np.arange(TRAIN.degree**2) < 16
+    change = jnp.asarray(random.normal(size=coupling.steady.shape) * low)
+    for size, most in ((0.003, 3), (0.02, 3), (0.12, 9)):
+        shapes = coupling.steady + size * change
+        expected, without = solved(operator, shapes)
+        found, within = solved(better, shapes)
+        assert without is not None
+        assert within is not None
+        tolerance = operator.solver_tolerance
+        assert max(float(without.residual), float(within.residual)) < tolerance
+        size = np.linalg.norm(expected)
+        assert_allclose(found, expected, rtol=0, atol=3.0 * tolerance * size)
+        assert int(within.iterations) <= most
+        if coupling.serves(shapes):
+            assert int(within.iterations) < int(without.iterations)
+        else:
+            assert int(within.iterations) == int(without.iterations)
+
+
+def test_far_from_the_steady_train_it_is_not_used(coupling: Coupling) -> None:
+    moved = coupling.steady.at[:, 0, 0].add(0.21 * np.sqrt(4.0 * np.pi))
+    assert coupling.serves(coupling.steady)
+    assert not coupling.serves(moved)
+    nearer = coupling.steady.at[:, 0, 0].add(0.19 * np.sqrt(4.0 * np.pi))
+    assert coupling.serves(nearer)
