@@ -63,7 +63,7 @@ def test_it_saves_iterations_and_changes_nothing(
     random = np.random.default_rng(1)
     low = np.arange(TRAIN.degree**2) < 16
     change = jnp.asarray(random.normal(size=coupling.steady.shape) * low)
-    for size, most in ((0.003, 3), (0.02, 3), (0.12, 9)):
+    for size, most in ((0.003, 3), (0.02, 4), (0.12, 9)):
         shapes = coupling.steady + size * change
         expected, without = solved(operator, shapes)
         found, within = solved(better, shapes)
@@ -71,8 +71,8 @@ def test_it_saves_iterations_and_changes_nothing(
         assert within is not None
         tolerance = operator.solver_tolerance
         assert max(float(without.residual), float(within.residual)) < tolerance
-        size = np.linalg.norm(expected)
-        assert_allclose(found, expected, rtol=0, atol=3.0 * tolerance * size)
+        largest = 3.0 * tolerance * np.linalg.norm(expected)
+        assert_allclose(found, expected, rtol=0, atol=largest)
         assert int(within.iterations) <= most
         if coupling.serves(shapes):
             assert int(within.iterations) < int(without.iterations)
