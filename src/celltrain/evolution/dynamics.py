@@ -149,15 +149,21 @@ class Dynamics(eqx.Module):
 
 
 def train_dynamics(
-    base: Base, repulsion: Repulsion, *, wall_gap: float, linear_part: LinearPart | None = None
+    base: Base,
+    repulsion: Repulsion,
+    *,
+    wall_gap: float,
+    known: Dynamics | None = None,
 ) -> Dynamics:
     """The dynamics of the N cells of a train about a steady state.
 
-    **Arguments:** `linear_part`: that of this train, if it is known.
+    **Arguments:** `known`: dynamics of the same train for another gap, whose parts serve again.
     """
     train = base.train
     tube = train_tube(train)
-    coupling = None if train.flow.viscosity_ratio == 1.0 else train_coupling(base)
+    coupling = None
+    if train.flow.viscosity_ratio != 1.0:
+        coupling = train_coupling(base) if known is None else known.operator.coupling
     operator = train_operator(train, cells=train.cells, wall_gap=wall_gap, coupling=coupling)
     shapes = place_cells(base.coefficients, train, train.cells)
     return Dynamics(
@@ -170,7 +176,7 @@ def train_dynamics(
         surroundings=tube,
         film_forces=film_forces(train.cell, train.sizes, tube, repulsion),
         wall_gap=wall_gap,
-        linear_part=LinearPart(base) if linear_part is None else linear_part,
+        linear_part=LinearPart(base) if known is None else known.linear_part,
     )
 
 

@@ -172,7 +172,7 @@ class March:
                 self._run.base,
                 self._run.repulsion,
                 wall_gap=wall_gap,
-                linear_part=self._dynamics.linear_part,
+                known=self._dynamics,
             )
 
     def _last_time(self) -> float:

@@ -105,9 +105,7 @@ def evolve(
             )
         wall_gap = followed(LARGEST, dynamics.wall_distance(settled.shapes))
         if wall_gap != dynamics.wall_gap:
-            dynamics = train_dynamics(
-                base, film, wall_gap=wall_gap, linear_part=dynamics.linear_part
-            )
+            dynamics = train_dynamics(base, film, wall_gap=wall_gap, known=dynamics)
         state = dynamics.state(0.0, shapes)
         if not np.isfinite(state.rates).all():
             raise StepFailed("not_finite", "the first shapes have no finite velocity")

@@ -8,8 +8,9 @@ the residual in its recurrence is the true one up to rounding and need not be co
 The operators here are preconditioned, A = 1 - E with a small E. With r the residual of x, that of
 x + r is E r, about |E| |r|: the correction that one more iteration would bring is had without it.
 |E| is taken to be twice the largest |E v| of the vectors of the basis but the first, for the right
-side is mostly a rigid motion, of which E makes nothing. Nothing is corrected before there is a
-second one, or where |E| is not below 1.
+side is mostly a rigid motion, of which E makes nothing, and at least twice what the last iteration
+left of the residual. Nothing is corrected before there is a second one, or where |E| is not below
+1, as it is not at large viscosity ratios. It is an estimate: the last vector is not among them.
 """
 
 from collections.abc import Callable
@@ -103,7 +104,9 @@ def _solve(
 
 def _reduction(state: _Arnoldi) -> Float[Array, ""]:
     """Of the residual by the last correction; 1 where there is none."""
-    return jnp.where(state.step > 1, jnp.minimum(1.0, 2.0 * state.change), 1.0)
+    now, before = jnp.abs(state.right[state.step]), jnp.abs(state.right[state.step - 1])
+    left = jnp.maximum(state.change, now / _safe(before))
+    return jnp.where(state.step > 1, jnp.minimum(1.0, 2.0 * left), 1.0)
 
 
 def _residual(state: _Arnoldi) -> Float[Array, ""]:

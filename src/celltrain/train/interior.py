@@ -108,7 +108,9 @@ class InteriorFlow(eqx.Module):
 
             # Of the inverse of both together the first two terms in the coupling.
             def with_others(motions: Motions) -> Motions:
-                return alone(flow + (1.0 - ratio) * known(motions))
+                # Rigid motions give nothing, but to the steady train's shapes only its own.
+                rest = self.without_inflation(motions - self.rigid_part(motions))
+                return alone(flow + (1.0 - ratio) * known(rest))
 
             found: Motions = jax.lax.cond(serves, with_others, lambda motions: motions, motions)
             return found

@@ -31,7 +31,7 @@ def frame_rates(
         distance = max(dynamics.wall_distance(settled.shapes), SMALLEST)
         wall_gap = followed(dynamics.wall_gap, distance)
         if wall_gap != dynamics.wall_gap:
-            dynamics = train_dynamics(run.base, run.repulsion, wall_gap=wall_gap)
+            dynamics = train_dynamics(run.base, run.repulsion, wall_gap=wall_gap, known=dynamics)
         rates[number] = dynamics.tube_rates(dynamics.rates(settled.shapes))
         if progress is not None:
             progress(number + 1, len(run.shapes))
