@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from celltrain import Train
+from celltrain import Train, environment
 from celltrain.analyses.simulation import Simulation
 from celltrain.compiled import ahead
 from celltrain.compiled.loops import LOOPS, OWN_DOUBLE_LAYER, STRESSLET_PAIRS
@@ -65,7 +65,9 @@ def test_what_a_simulation_wants_is_begun_once(processes: Processes, ratio: floa
 
 
 def test_what_is_kept_is_left_out(processes: Processes) -> None:
-    processes.keep("nearest_loop._nearest", "force_pair_loop._force_pairs")
+    processes.keep("nearest_loop._nearest", "force_pair_loop._force_pairs", "facing_loop._facing")
+    # Of a source that was changed afterwards.
+    os.utime(processes._folder / "facing_loop._facing-12.py311.nbi", (0.0, 0.0))
     ahead.compile_ahead(5.0)
     assert processes.names() == [
         [
@@ -170,3 +172,14 @@ def test_a_simulation_has_its_loops_compiled_while_it_finds_the_train(
     train = Train(diameter=6, packing=0.2, viscosity_ratio=5.0)
     with pytest.raises(BegunError, match="5"):
         Simulation(until=1.0).compute_into(train, None, Silent(), None)
+
+
+@pytest.mark.parametrize(("asked", "number"), [("3", 3), ("1", 1), ("0", None), ("many", None)])
+def test_processors_are_as_many_as_xla_takes(
+    asked: str, number: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("NPROC", raising=False)
+    there = environment.processors()
+    assert there >= 1
+    monkeypatch.setenv("NPROC", asked)
+    assert environment.processors() == (there if number is None else number)

@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from celltrain import CaseError, Train, steady
+from celltrain.evolution import Repulsion, dynamics
 from celltrain.train import CellsOperator, Coupling, train_coupling, train_operator
 from celltrain.train.gmres import Iterations
 from celltrain.train.interior import _by_cell
@@ -84,7 +85,8 @@ def test_it_saves_iterations_and_changes_nothing(
 
 
 def test_far_from_the_steady_train_it_is_not_used(coupling: Coupling) -> None:
-    moved = coupling.steady.at[:, 0, 0].add(0.21 * np.sqrt(4.0 * np.pi))
+    # One cell of three.
+    moved = coupling.steady.at[1, 0, 0].add(0.21 * np.sqrt(4.0 * np.pi))
     assert coupling.serves(coupling.steady)
     assert not coupling.serves(moved)
     # The whole train may be anywhere along the tube.
@@ -93,5 +95,21 @@ def test_far_from_the_steady_train_it_is_not_used(coupling: Coupling) -> None:
         coupling.serves(coupling.steady[:1])
     with pytest.raises(CaseError, match="such cells need no coupling"):
         train_coupling(steady(TRAIN.changed(viscosity_ratio=1.0)))
-    nearer = coupling.steady.at[:, 0, 0].add(0.19 * np.sqrt(4.0 * np.pi))
+    nearer = coupling.steady.at[1, 0, 0].add(0.19 * np.sqrt(4.0 * np.pi))
     assert coupling.serves(nearer)
+
+
+def test_the_dynamics_of_a_train_has_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Made once; of a train without another viscosity there is none."""
+    # What would compile programs.
+    monkeypatch.setattr(dynamics, "_tube_rates", lambda _, shapes, forces: np.asarray(shapes))
+    monkeypatch.setattr(dynamics, "cell_volumes", lambda _, shapes: shapes[:, 0, 0])
+    first = dynamics.train_dynamics(steady(TRAIN), Repulsion(), wall_gap=0.8)
+    assert isinstance(first.operator.coupling, Coupling)
+    monkeypatch.setattr(dynamics, "train_coupling", None)
+    second = dynamics.train_dynamics(steady(TRAIN), Repulsion(), wall_gap=0.4, known=first)
+    assert second.operator.coupling is first.operator.coupling
+    assert second.linear_part is first.linear_part
+    alike = steady(TRAIN.changed(viscosity_ratio=1.0))
+    third = dynamics.train_dynamics(alike, Repulsion(), wall_gap=0.8)
+    assert third.operator.coupling is None

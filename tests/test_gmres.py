@@ -3,6 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 
 from celltrain.train.gmres import gmres
@@ -44,7 +45,7 @@ def test_close_to_one_the_last_correction_takes_no_iteration() -> None:
     """Each iteration takes the residual to a hundredth: 1e-5 would take three of them."""
     matrix, right = problem()
     matrix = np.eye(len(right)) + 0.02 * (matrix - np.eye(len(right)))
-    for tolerance, iterations in ((1e-1, 1), (1e-5, 2), (1e-7, 3)):
+    for tolerance, iterations in ((1e-1, 1), (1e-3, 2), (1e-5, 2), (1e-7, 3)):
         solution, convergence = gmres(
             lambda x: jnp.asarray(matrix) @ x,
             jnp.asarray(right),
@@ -55,6 +56,26 @@ def test_close_to_one_the_last_correction_takes_no_iteration() -> None:
         assert int(convergence.iterations) == iterations
         assert 0.05 * convergence.residual < residual
         assert residual < 1.01 * convergence.residual < tolerance
+
+
+@pytest.mark.parametrize("norm", [0.02, 0.1, 0.3])
+def test_the_estimate_keeps_to_the_tolerance(norm: float) -> None:
+    """Of matrices far from normal, and of right sides that they leave as they are but for 1e-3."""
+    random, size, tolerance = np.random.default_rng(0), 30, 1e-7
+
+    @jax.jit
+    def solve(matrix: jax.Array, right: jax.Array) -> jax.Array:
+        return gmres(lambda x: matrix @ x, right, tolerance=tolerance, iterations=20)[0]
+
+    for _ in range(200):
+        left, other = np.exp(-random.uniform(0, 4, (2, size)))
+        change = left[:, None] * random.normal(size=(size, size)) * other
+        right = 1e-3 * random.normal(size=size)
+        change[:, 0], right[0] = 0.0, 1.0
+        matrix = np.eye(size) - norm * change / np.linalg.norm(change, 2)
+        solution = np.asarray(solve(matrix, right))
+        residual = np.linalg.norm(matrix @ solution - right) / np.linalg.norm(right)
+        assert residual < tolerance
 
 
 def test_few_eigenvalues_take_few_iterations() -> None:

@@ -1,9 +1,11 @@
-"""Loops have one machine code, whoever compiles them."""
+"""Loops have one machine code, whoever compiles them; what XLA calls has a file for each."""
 
 import os
 import subprocess
 import sys
 from pathlib import Path
+
+from celltrain.compiled.loops import LOOPS
 
 PROGRAM = """
 import numpy as np
@@ -44,3 +46,14 @@ def test_one_process_compiles_and_all_have_the_same_code(tmp_path: Path) -> None
     assert later == 1
     assert len(found) == 2
     assert found == of_other == of_later
+
+
+def test_what_xla_calls_is_kept_in_a_file_for_each_loop(tmp_path: Path) -> None:
+    """Numba numbers what is in one file: processes that write at once would mix them up."""
+    program = (
+        "from celltrain.compiled.loops import LOOPS; [each.declare() for each in LOOPS.values()]"
+    )
+    folders = {"NUMBA_CACHE_DIR": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", program], env=os.environ | folders, check=True)
+    kept = {each.name.split("-")[0] for each in tmp_path.glob("*/shared_work.answer_*.nbi")}
+    assert kept == {f"shared_work.answer_{name}" for name in LOOPS}

@@ -182,8 +182,9 @@ def _called() -> Iterator[set[str]]:
         yield names
         _make(names)
     except BaseException:
-        # It would take what was traced for another program, which would wait for what it calls.
-        jax.clear_caches()
+        if names:
+            # JAX would take what was traced for another program, which would wait for them.
+            jax.clear_caches()
         raise
     finally:
         _tracing.called = before

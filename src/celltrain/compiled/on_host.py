@@ -3,7 +3,6 @@
 import ctypes
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -68,5 +67,5 @@ def call_on_host(
 
 
 @cache
-def _threads() -> Any:
+def _threads() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(processors())

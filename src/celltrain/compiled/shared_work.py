@@ -10,10 +10,10 @@ independent parts lets others take parts of it,
         return 1
 
 where the loop computes the parts whose numbers `next_part` gives it until there are none left, and
-returns 1 (an exception makes it return 0, and the result NaN).
-Which thread computes a part changes nothing in it. Nobody waits for a thread to come: the caller
-takes parts as the others do, and when none is left it waits for those that are being computed. Who
-comes only then finds the work closed. What all share is a few words, released by the last.
+returns 1 (an exception makes it return 0, and the result NaN). Which thread computes a part changes
+nothing in it. Nobody waits for a thread to come: the caller takes parts as the others do, and when
+none is left it waits for those that are being computed. Who comes only then finds the work closed.
+What all share is a few words, released by the last.
 
 XLA knows the loop by what `answer` has made for its name, which finds the address of the loop's
 task only when it is called: programs can be compiled while the loops that they call are.
@@ -51,7 +51,7 @@ from celltrain.parts import part
 IntrinsicParts: TypeAlias = tuple[types.FunctionType, Callable[..., ir.Value]]
 
 # Words of the work: the frame, the loop's address, the next part, threads that compute, whether it
-# is closed, who still holds its address, and who failed.
+# is closed, who still holds its address, and how many failed.
 FRAME, _LOOP, _NEXT, _COMPUTING, _CLOSED, _HOLDERS, _FAILED, WORDS = range(8)
 # Name of what helpers run.
 HELP = "celltrain_help"

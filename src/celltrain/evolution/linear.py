@@ -7,7 +7,7 @@ import numpy as np
 import scipy.linalg
 from jaxtyping import Complex, Float
 
-from celltrain.harmonics import UNIT_DISPLACEMENT, azimuthal_basis, degree_of, turned_family
+from celltrain.harmonics import UNIT_DISPLACEMENT, both_families, degree_of
 from celltrain.stability import Stability, paper_weights
 
 # Part of a disturbance's square norm that may lie outside the azimuthal numbers that are known.
@@ -76,8 +76,7 @@ def linear_prediction(
     parts: list[Part] = []
     covered = 0.0
     for m in result.azimuthal_numbers:
-        basis = azimuthal_basis(degree, m)
-        for family in (basis,) if m == 0 else (basis, turned_family(basis, m)):
+        for family in both_families(degree, m):
             gram, gram_x = (
                 np.tensordot(family * each, family, axes=((1, 2), (1, 2)))
                 for each in (weights, mean)

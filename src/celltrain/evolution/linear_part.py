@@ -24,7 +24,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float
 
-from celltrain.harmonics import Shapes, azimuthal_basis, turned_family
+from celltrain.harmonics import Shapes, both_families
 from celltrain.membrane import place_cells
 from celltrain.stability.linearise import linear_blocks
 from celltrain.steady import Base
@@ -108,10 +108,9 @@ class LinearPart:
         return place_cells(self._base.coefficients, self._base.train, self._base.train.cells)
 
     @cached_property
-    def _bases(self) -> list[Float[np.ndarray, "member 3 coefficient"]]:
-        degree = self._base.train.degree
-        found = (azimuthal_basis(degree, m) for m in range(degree + 1))
-        return [each for each in found if each.size]
+    def _numbers(self) -> range:
+        """Azimuthal numbers of all disturbances."""
+        return range(self._base.train.degree + 1)
 
     @cached_property
     def _families(self) -> Float[np.ndarray, "member value"]:
@@ -120,22 +119,20 @@ class LinearPart:
         Of m > 0 those with z ~ cos(m phi), and after them those with z ~ sin(m phi), whose blocks
         are the same.
         """
-        both = []
-        for m, basis in enumerate(self._bases):
-            both += [basis] if m == 0 else [basis, turned_family(basis, m)]
-        members = np.concatenate(both)
+        degree = self._base.train.degree
+        members = np.concatenate([each for m in self._numbers for each in both_families(degree, m)])
         return members.reshape(len(members), -1)
 
     @cached_property
     def _copies(self) -> list[int]:
-        return [1 if m == 0 else 2 for m in range(len(self._bases))]
+        return [1 if m == 0 else 2 for m in self._numbers]
 
     @cached_property
     def _blocks(self) -> list[Blocks]:
         cells = self._base.train.cells
         phases = 2.0 * np.pi * np.arange(cells // 2 + 1) / cells
-        found = linear_blocks(self._base, phases, range(len(self._bases)))
-        return [found[m] for m in range(len(self._bases))]
+        found = linear_blocks(self._base, phases, self._numbers)
+        return [found[m] for m in self._numbers]
 
     def _of_level(self, level: int) -> tuple[list[Blocks], ...]:
         if level not in self._functions:

@@ -11,7 +11,7 @@ from celltrain.harmonics.families import (
     axisymmetric_basis,
     azimuthal_basis,
     azimuthal_families,
-    turned_family,
+    both_families,
 )
 from celltrain.harmonics.legendre import LegendreTables, legendre_functions, legendre_tables
 from celltrain.harmonics.nodes import about_pole, gauss_colatitudes, polar_nodes, unit_vectors
@@ -38,6 +38,7 @@ __all__ = [
     "azimuthal_basis",
     "azimuthal_families",
     "azimuthal_weight",
+    "both_families",
     "coefficient_index",
     "coefficients_of",
     "cylindrical_members",
@@ -55,6 +56,5 @@ __all__ = [
     "project_meridian",
     "real_harmonics",
     "surface_points",
-    "turned_family",
     "unit_vectors",
 ]

@@ -64,7 +64,16 @@ def axisymmetric_basis(degree: int) -> Float[np.ndarray, "member 3 coefficient"]
     return np.concatenate(azimuthal_families(degree, 0)[:2])
 
 
-def turned_family(basis: Family, m: int) -> Family:
+def both_families(degree: int, m: int) -> tuple[Family, ...]:
+    """The basis of azimuthal number m, and for m > 0 that with z ~ sin(m phi) in its order.
+
+    The linear dynamics of an axisymmetric train is the same in both.
+    """
+    basis = azimuthal_basis(degree, m)
+    return (basis,) if m == 0 else (basis, _turned_family(basis, m))
+
+
+def _turned_family(basis: Family, m: int) -> Family:
     """Disturbances turned by pi/(2 m) about the axis, shapes and parameters alike.
 
     x'(theta, phi) = R x(theta, phi - angle), with R the rotation by the angle.

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from celltrain.harmonics import azimuthal_basis, turned_family
+from celltrain.harmonics import both_families
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.membrane import place_cells
 from celltrain.parameters import CaseError
@@ -65,16 +65,15 @@ def train_coupling(base: Base) -> Coupling:
     dynamics = LinearDynamics(
         base, largest_azimuthal_number=train.degree, smallest_phase=smallest(phases)
     )
-    bases = [azimuthal_basis(train.degree, m) for m in range(train.degree + 1)]
-    bases = [each for each in bases if each.size]
-    size = max(map(len, bases))
-    families = np.zeros((len(bases), 2, size, 3 * train.degree**2))
-    blocks = np.zeros((len(bases), len(phases), size, size), dtype=complex)
-    for m, basis in enumerate(bases):
-        count = len(basis)
-        families[m, 0, :count] = basis.reshape(count, -1)
-        if m > 0:
-            families[m, 1, :count] = turned_family(basis, m).reshape(count, -1)
+    members = [both_families(train.degree, m) for m in range(train.degree + 1)]
+    size = max(len(both[0]) for both in members)
+    # Filled up with zeros: there is no second family for m = 0, and there are fewer for larger m.
+    families = np.zeros((len(members), 2, size, 3 * train.degree**2))
+    blocks = np.zeros((len(members), len(phases), size, size), dtype=complex)
+    for m, both in enumerate(members):
+        count = len(both[0])
+        for family, each in enumerate(both):
+            families[m, family, :count] = each.reshape(count, -1)
         blocks[m, :, :count, :count] = dynamics.coupling(m, phases)
     steady = place_cells(base.coefficients, train, train.cells)
     return Coupling(constant(families), constant(blocks), constant(steady))

@@ -7,10 +7,10 @@ the residual in its recurrence is the true one up to rounding and need not be co
 
 The operators here are preconditioned, A = 1 - E with a small E. With r the residual of x, that of
 x + r is E r, about |E| |r|: the correction that one more iteration would bring is had without it.
-|E| is taken to be twice the largest |E v| of the vectors of the basis but the first, for the right
-side is mostly a rigid motion, of which E makes nothing, and at least twice what the last iteration
-left of the residual. Nothing is corrected before there is a second one, or where |E| is not below
-1, as it is not at large viscosity ratios. It is an estimate: the last vector is not among them.
+|E| is taken to be four times the largest |E v| of the vectors of the basis, of which there must be
+two: the right side is mostly a rigid motion, of which E makes nothing. Nothing is corrected where
+that is not below 1, as it is not at large viscosity ratios. It is an estimate: the direction of r
+is not among them.
 """
 
 from collections.abc import Callable
@@ -35,7 +35,7 @@ class _Arnoldi(eqx.Module):
     """Orthonormal basis, triangular factor of the projected operator, rotations that made it so.
 
     `images`: what the operator gives of the basis; `change`: the largest difference between a
-    vector but the first and its image.
+    vector and its image.
     """
 
     basis: Float[Array, "vector size"]
@@ -104,9 +104,7 @@ def _solve(
 
 def _reduction(state: _Arnoldi) -> Float[Array, ""]:
     """Of the residual by the last correction; 1 where there is none."""
-    now, before = jnp.abs(state.right[state.step]), jnp.abs(state.right[state.step - 1])
-    left = jnp.maximum(state.change, now / _safe(before))
-    return jnp.where(state.step > 1, jnp.minimum(1.0, 2.0 * left), 1.0)
+    return jnp.where(state.step > 1, jnp.minimum(1.0, 4.0 * state.change), 1.0)
 
 
 def _residual(state: _Arnoldi) -> Float[Array, ""]:
@@ -121,7 +119,7 @@ def _extended(image: Array, state: _Arnoldi) -> _Arnoldi:
     """
     step, basis = state.step, state.basis
     images = state.images.at[step].set(image)
-    change = jnp.where(step > 0, jnp.linalg.norm(image - basis[step]), 0.0)
+    change = jnp.maximum(state.change, jnp.linalg.norm(image - basis[step]))
     column = basis @ image
     image = image - column @ basis
     again = basis @ image
@@ -144,7 +142,7 @@ def _extended(image: Array, state: _Arnoldi) -> _Arnoldi:
     return _Arnoldi(
         basis=basis.at[step + 1].set(image / _safe(length)),
         images=images,
-        change=jnp.maximum(state.change, change),
+        change=change,
         triangle=state.triangle.at[:, step].set(column),
         cosine=state.cosine.at[step].set(cosine),
         sine=state.sine.at[step].set(sine),

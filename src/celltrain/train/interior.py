@@ -106,9 +106,10 @@ class InteriorFlow(eqx.Module):
                 return motions
             known, serves = coupling
 
-            # Of the inverse of both together the first two terms in the coupling.
+            # The first two terms of the inverse of both, in powers of the coupling.
             def with_others(motions: Motions) -> Motions:
-                # Rigid motions give nothing, but to the steady train's shapes only its own.
+                # A rigid motion gives other cells nothing, but the coupling knows that only of
+                # the steady train's shapes.
                 rest = self.without_inflation(motions - self.rigid_part(motions))
                 return alone(flow + (1.0 - ratio) * known(rest))
 
