@@ -22,14 +22,14 @@ from celltrain.flow.near import NearPairs, pair_sums
 from celltrain.flow.own_surface import own_velocity
 from celltrain.proximity.close_pairs import LeftOut
 
-XI = 1.1
+XI, CUTOFF = 1.1, 2.0
 INCLUDE = Path(jax.ffi.include_dir())
 TEXT = (INCLUDE / HEADER).read_text()
 
 
 Arrays = tuple[jax.Array, ...]
 OnSurface = tuple[OwnSurfaceRule, jax.Array, jax.Array, jax.Array, jax.Array]
-by_near_pairs = partial(pair_sums, XI)
+by_near_pairs = partial(pair_sums, XI, CUTOFF)
 
 
 def inputs() -> tuple[tuple[jax.Array | NearPairs, ...], OnSurface]:

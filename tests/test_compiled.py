@@ -35,16 +35,20 @@ from celltrain.proximity.close_pairs import LeftOut
 from celltrain.proximity.nearest import nearest_point_search, nearest_points
 from celltrain.runtime import constant
 
-XI = 1.3
-CHUNKS, TARGETS, BLOCKS, SOURCES, IMAGES = 3, 5, 4, 7, 1
+XI, CUTOFF = 1.3, 1.6
+# Three patches of sources, the last one with fewer.
+CHUNKS, TARGETS, BLOCKS, SOURCES, IMAGES = 3, 5, 4, 71, 1
 
 
 def inputs() -> list[jax.Array]:
     """Targets, points, forces, stresslets and period."""
     random = np.random.default_rng(3)
     shapes = ((CHUNKS, TARGETS, 3), *((BLOCKS, SOURCES, parts) for parts in (3, 3, 6)))
-    made = [jnp.asarray(random.normal(size=shape)) for shape in shapes]
-    return [*made, jnp.asarray(0.5)]
+    made = [random.normal(size=shape) for shape in shapes]
+    # Most patches are out of the range of most targets.
+    middles = 2.0 * random.normal(size=(BLOCKS, 3, 3))
+    made[1] = 0.3 * made[1] + np.repeat(middles, 24, axis=1)[:, :SOURCES]
+    return [*map(jnp.asarray, made), jnp.asarray(0.5)]
 
 
 def near_pairs(*, left_out: bool) -> NearPairs:
@@ -81,8 +85,8 @@ def test_pairs(left_out: bool, absent: int | None) -> None:
     if absent is not None:
         given[absent] = None
     pairs = near_pairs(left_out=left_out)
-    found = jax.jit(partial(pair_sums, XI))(*given, pairs)
-    expected = jax.jit(partial(_pair_sums_formula, XI))(pairs, *given)
+    found = jax.jit(partial(pair_sums, XI, CUTOFF))(*given, pairs)
+    expected = jax.jit(partial(_pair_sums_formula, XI, CUTOFF))(pairs, *given)
     assert np.abs(expected).max() > 0.1
     assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
@@ -96,11 +100,11 @@ def test_pairs_one_by_one() -> None:
     for image, chunk, block in np.argwhere(np.asarray(pairs.near)):
         row = rows[image, chunk, pairs.cells[block]]
         here = targets[chunk] - jnp.array([0.0, 0.0, 1.0]) * (image - IMAGES) * period
-        part = np.array(block_sum(here, points[block], forces[block], XI))
+        part = np.array(block_sum(here, points[block], forces[block], XI, CUTOFF))
         if row >= 0:
             part[close[row]] = 0.0
         expected[image, chunk] += part
-    found = pair_sums(XI, targets, points, forces, None, period, pairs)
+    found = pair_sums(XI, CUTOFF, targets, points, forces, None, period, pairs)
     assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
@@ -110,7 +114,9 @@ def test_derivative_of_the_pairs() -> None:
     moved = [jnp.asarray(random.normal(size=each.shape)) for each in given]
 
     def sums(step: float) -> jax.Array:
-        return pair_sums(XI, *(a + step * b for a, b in zip(given, moved, strict=True)), pairs)
+        return pair_sums(
+            XI, CUTOFF, *(a + step * b for a, b in zip(given, moved, strict=True)), pairs
+        )
 
     found = jax.jvp(sums, (0.0,), (1.0,))[1]
     step = 1e-5
@@ -121,7 +127,7 @@ def test_derivative_of_the_pairs() -> None:
 def test_what_is_no_number_stays_none() -> None:
     given, pairs = inputs(), near_pairs(left_out=False)
     given[0] = given[0].at[1, 2, 0].set(jnp.nan)
-    found = np.asarray(pair_sums(XI, *given, pairs))
+    found = np.asarray(pair_sums(XI, CUTOFF, *given, pairs))
     assert pairs.near[:, 1].any()
     assert np.isnan(found[:, 1, 2]).any()
     assert np.isfinite(np.delete(found, 1, axis=1)).all()

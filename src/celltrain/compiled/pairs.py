@@ -15,6 +15,7 @@ from celltrain.compiled.call_frame import (
     result,
     sizes,
 )
+from celltrain.compiled.kernels import squared
 from celltrain.compiled.scaled_erfc import SCALED_ERFC, SCALED_ERFC_MIDDLE
 from celltrain.compiled.shared_work import frame_of, next_part
 from celltrain.parts import FAST, part
@@ -64,22 +65,40 @@ def near_parts(square: float, xi: float) -> tuple[float, float, float]:
     return polynomial * gauss * inverse, _GAUSS * xi * gauss, inverse * inverse
 
 
+@part(fastmath=FAST, inline="always")
+def parts_within(square: float, xi: float, within: float) -> tuple[float, float, float]:
+    """The same, the first two 0 where r^2 is not below `within`."""
+    screened, gauss, inverse_square = near_parts(square, xi)
+    kept = 0.0 if square >= within else 1.0
+    return kept * screened, kept * gauss, inverse_square
+
+
+@part()
+def _beyond(target: Any, reach: Any) -> bool:
+    """Whether a patch [x, y, z, r^2 from there that its range has] is out of a target's range."""
+    away = (target[0] - reach[0], target[1] - reach[1], target[2] - reach[2])
+    return squared(away) >= reach[3]
+
+
 @part(inline="always")
-def add_pairs(work: int, block: Any) -> None:
+def add_pairs(work: int, add: Any) -> None:
     """The sums over the near pairs of a chunk of targets and an image of a block of sources.
 
-    Arguments as in `flow.near.pair_sums`. Parts: a chunk with one image of all blocks.
+    Arguments as in `flow.near.pair_sums`, the blocks in patches, and the patches' ranges. Parts: a
+    chunk with one image of all blocks. `add`: gives the velocity at a target by a patch.
     """
     frame = frame_of(work)
     chunks, size, _ = sizes(frame, 0)
-    blocks, _, count = sizes(frame, 1)
-    parts = sizes(frame, 2)[1]
+    blocks, patches, _, count = sizes(frame, 1)
+    parts = sizes(frame, 2)[2]
     targets = numbers(frame, 0).reshape((chunks, size, 3))
-    points = numbers(frame, 1).reshape((blocks, 3, count))
-    strengths = numbers(frame, 2).reshape((blocks, parts, count))
+    points = numbers(frame, 1).reshape((blocks, patches, 3, count))
+    strengths = numbers(frame, 2).reshape((blocks, patches, parts, count))
     near, cells = flags(frame, 3), integers(frame, 4)
     rows, close = integers(frame, 5), flags(frame, 6)
-    xi, period = numbers(frame, 7)
+    ranges = numbers(frame, 7).reshape((blocks, patches, 4))
+    xi, period, cutoff = numbers(frame, 8)
+    within = cutoff * cutoff
     sums = result(frame)
     images = sums.size // (chunks * size * 3)
     by_part = sums.reshape((images * chunks, size, 3))
@@ -97,8 +116,12 @@ def add_pairs(work: int, block: Any) -> None:
                 if row >= 0 and close[row * size + t] != 0:
                     continue
                 x, y, z = targets[chunk, t]
-                u, v, w = block(x, y, z - shift, points[b], strengths[b], xi)
-                by_part[number, t, 0] += u
-                by_part[number, t, 1] += v
-                by_part[number, t, 2] += w
+                at = (x, y, z - shift)
+                for p in range(patches):
+                    if _beyond(at, ranges[b, p]):
+                        continue
+                    u, v, w = add(at, points[b, p], strengths[b, p], xi, within)
+                    by_part[number, t, 0] += u
+                    by_part[number, t, 1] += v
+                    by_part[number, t, 2] += w
         number = next_part(work)

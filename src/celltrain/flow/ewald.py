@@ -42,9 +42,9 @@ def ewald_split(cutoff: float, tolerance: float) -> EwaldSplit:
 
 
 def _near_parts(
-    square: Float[Array, "..."], parameter: float
+    square: Float[Array, "..."], parameter: float, cutoff: float
 ) -> tuple[Float[Array, "..."], Float[Array, "..."], Float[Array, "..."]]:
-    """E = erfc(xi r)/r, h = 2 xi/sqrt(pi) exp(-xi^2 r^2), and 1/r^2."""
+    """E = erfc(xi r)/r, h = 2 xi/sqrt(pi) exp(-xi^2 r^2), 0 from the cutoff on, and 1/r^2."""
     inverse = jax.lax.rsqrt(square)
     scaled = parameter * (square * inverse)
     mapped = 1.0 - (2.0 * SCALED_ERFC_MIDDLE) / (scaled + SCALED_ERFC_MIDDLE)
@@ -52,6 +52,8 @@ def _near_parts(
     for coefficient in SCALED_ERFC[1:]:
         polynomial = polynomial * mapped + coefficient
     gauss = jnp.exp(-(parameter**2) * square)
+    if cutoff < math.inf:
+        gauss = jnp.where(square < cutoff**2, gauss, 0.0)
     return (
         polynomial * gauss * inverse,
         (2.0 * parameter / math.sqrt(math.pi)) * gauss,
@@ -59,34 +61,34 @@ def _near_parts(
     )
 
 
-@partial(jax.custom_jvp, nondiff_argnums=(1,))
+@partial(jax.custom_jvp, nondiff_argnums=(1, 2))
 def near_scalars(
-    square: Float[Array, "..."], parameter: float
+    square: Float[Array, "..."], parameter: float, cutoff: float = math.inf
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
-    """A and C of the near kernel A I + C d d, from r^2."""
-    return stokeslet_scalars(*_near_parts(square, parameter))
+    """A and C of the near kernel A I + C d d, from r^2; 0 from the cutoff on."""
+    return stokeslet_scalars(*_near_parts(square, parameter, cutoff))
 
 
 @near_scalars.defjvp
-def _near_scalars_jvp(parameter, primals, tangents):  # type: ignore[no-untyped-def]
+def _near_scalars_jvp(parameter, cutoff, primals, tangents):  # type: ignore[no-untyped-def]
     half = 0.5 * tangents[0]
-    isotropic, dyadic = near_slopes(primals[0], parameter)
-    return near_scalars(primals[0], parameter), (isotropic * half, dyadic * half)
+    isotropic, dyadic = near_slopes(primals[0], parameter, cutoff)
+    return near_scalars(primals[0], parameter, cutoff), (isotropic * half, dyadic * half)
 
 
 def near_slopes(
-    square: Float[Array, "..."], parameter: float
+    square: Float[Array, "..."], parameter: float, cutoff: float = math.inf
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
-    """A'/r and C'/r of the near kernel, from r^2."""
-    parts = _near_parts(square, parameter)
+    """A'/r and C'/r of the near kernel, from r^2; 0 from the cutoff on."""
+    parts = _near_parts(square, parameter, cutoff)
     return stokeslet_slopes(stokeslet_scalars(*parts), stresslet_scalars(*parts, parameter))
 
 
 def near_stress_scalars(
-    square: Float[Array, "..."], parameter: float
+    square: Float[Array, "..."], parameter: float, cutoff: float = math.inf
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
-    """a and b of the near stress kernel, from r^2."""
-    return stresslet_scalars(*_near_parts(square, parameter), parameter)
+    """a and b of the near stress kernel, from r^2; 0 from the cutoff on."""
+    return stresslet_scalars(*_near_parts(square, parameter, cutoff), parameter)
 
 
 def far_velocity_modes(

@@ -28,6 +28,7 @@ from celltrain.flow.sources import Sources
 from celltrain.flow.surrounding_flow import CloseTargetSets, SurroundingFlow
 from celltrain.flow.transform import Transform, transform
 from celltrain.flow.wall import TubeWall, tube_wall
+from celltrain.flow.wall_synthesis import WallSynthesis, wall_synthesis
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.runtime import constant
 
@@ -41,6 +42,7 @@ class PeriodicTube(SurroundingFlow):
     near: CellSums
     transform: Transform
     wall: TubeWall
+    wall_synthesis: WallSynthesis
 
     @property
     def near_parameter(self) -> float:
@@ -80,20 +82,18 @@ class PeriodicTube(SurroundingFlow):
         if close_targets is None and sources.surface is not None:
             close_targets = self.close_targets(targets, owners, sources.points)
         by_cells, by_wall = (None, None) if close_targets is None else close_targets
-        loose, wall_points = _numbers(targets).reshape(-1, 3), self.wall.points()
-        both = jnp.concatenate([loose, wall_points.reshape(-1, 3)])
-        far = self.transform.synthesise(both, self._far_modes(sources))
-        far, at_wall = jnp.split(far, [len(loose)])
+        loose = _numbers(targets).reshape(-1, 3)
+        modes = self._far_modes(sources)
+        far = self.transform.synthesise(loose, modes)
         strips, places = self.wall.strips()
         off_cells = jnp.full(len(strips), -1)
-        wall_strips = wall_points.reshape(-1, 3)[strips]
+        wall_strips = self.wall.points().reshape(-1, 3)[strips]
         wall_near = self.near.velocity(wall_strips, off_cells, sources, by_wall)
-        at_wall = at_wall + wall_near.reshape(-1, 3)[places]
+        at_wall = self.wall_synthesis.fields(modes)
+        at_wall = at_wall + wall_near.reshape(-1, 3)[places].reshape(at_wall.shape)
         groups = targets.reshape(targets.shape[0], -1, 3)
         near = self.near.velocity(groups, owners, sources, by_cells)
-        reflected = self.wall.velocity(
-            loose, self.wall.regular_flow(at_wall.reshape(wall_points.shape))
-        )
+        reflected = self.wall.velocity(loose, self.wall.regular_flow(at_wall))
         total = near.reshape(targets.shape) + (far - reflected).reshape(targets.shape)
         total = jnp.where(jnp.isfinite(targets), total, jnp.nan)
         square = jnp.sum(targets[..., :2] ** 2, axis=-1)
@@ -162,6 +162,9 @@ def periodic_tube(
     - `coarse_beyond`: distance from a cell at which its coarse samples serve.
     """
     split = ewald_split(cutoff, tolerance)
+    # Wider than the tube by the near kernel's range, which so never reaches an image across.
+    box = transform(split, diameter + cutoff, period, tolerance)
+    wall = tube_wall(0.5 * diameter, period, wall_gap=wall_gap, tolerance=tolerance)
     return PeriodicTube(
         near=CellSums(
             parameter=split.parameter,
@@ -171,7 +174,7 @@ def periodic_tube(
             close=None if close is None else close(split.parameter),
             coarse_beyond=coarse_beyond,
         ),
-        # Wider than the tube by the near kernel's range, which so never reaches an image across.
-        transform=transform(split, diameter + cutoff, period, tolerance),
-        wall=tube_wall(0.5 * diameter, period, wall_gap=wall_gap, tolerance=tolerance),
+        transform=box,
+        wall=wall,
+        wall_synthesis=wall_synthesis(box, wall),
     )
