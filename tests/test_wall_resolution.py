@@ -3,17 +3,20 @@
 from dataclasses import replace
 from pathlib import Path
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from celltrain import Base, CaseError
+from celltrain import Base, CaseError, Train
 from celltrain.evolution import FromFile, Repulsion, StepFailed, evolve, resume
 from celltrain.evolution.dynamics import train_dynamics
 from celltrain.evolution.wall_resolution import LARGEST, SMALLEST, followed
 from celltrain.flow import wall
 from celltrain.flow.wall import _axial_response, _bessel_ratios
 from celltrain.harmonics import UNIT_DISPLACEMENT
+from celltrain.train import train_operator
 
 
 def test_what_is_served_is_never_above_the_distance() -> None:
@@ -47,6 +50,25 @@ def test_modes_of_any_order_are_finite_and_take_their_values_at_the_wall() -> No
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(wall, "LEAST_BESSEL", np.inf)
         assert_allclose(_bessel_ratios(60, waves, 3.0, r), direct, rtol=1e-11)
+
+
+@pytest.mark.parametrize(("wall_gap", "share"), [(0.8, 0.0), (0.4, 0.5)])
+def test_pairs_close_to_the_wall_are_listed_where_cells_may_be(
+    wall_gap: float, share: float
+) -> None:
+    """At degree 12 a cell is close to what is less than 0.44 r0 from it."""
+    operator = train_operator(Train(diameter=6, packing=0.2, degree=12), wall_gap=wall_gap)
+
+    def listed(shapes: jax.Array) -> jax.Array:
+        points = operator.source_points(shapes)
+        found = operator.flow.close_targets(operator.targets(shapes), jnp.arange(1), points)
+        assert found is not None
+        return found[1].pairs.valid
+
+    count = operator.flow.wall.rings * operator.flow.wall.azimuths
+    (size,) = jax.eval_shape(listed, jnp.zeros((1, 3, 144))).shape
+    # Strips are filled up to whole ones.
+    assert max(64, share * count) <= size <= max(64, share * count + 8 * operator.flow.wall.rings)
 
 
 @pytest.fixture(scope="module")

@@ -15,6 +15,9 @@ from celltrain.flow.sources import Sources
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.proximity.close_pairs import ClosePairs, close_pairs
 
+# Pairs whose matrices are applied together.
+ROWS_AT_ONCE = 64
+
 
 class CloseTargets(eqx.Module):
     """Close pairs of one set of targets; `rows` are the double layer's matrices, if prepared."""
@@ -83,7 +86,7 @@ class CloseEvaluation(eqx.Module):
         assert surface is not None
         if close.rows is not None and surface.forces is None:
             assert surface.densities is not None
-            found = jnp.einsum("pijk,pjk->pi", close.rows, surface.densities[pairs.cell])
+            found = _products(close.rows, surface.densities, pairs)
         else:
             found = self.rule.velocity(
                 pairs.points(targets, period),
@@ -97,3 +100,19 @@ class CloseEvaluation(eqx.Module):
         found = jnp.where(pairs.valid[:, None], found, 0.0)
         total = jnp.zeros_like(targets).at[pairs.group, pairs.target].add(found)
         return jnp.where(jax.lax.stop_gradient(pairs.overflow), jnp.nan, total)
+
+
+def _products(
+    rows: Float[Array, "pair 3 3 coefficient"], densities: JaxShapes, pairs: ClosePairs
+) -> Float[Array, "pair 3"]:
+    """What the matrices of the pairs make of their cells' densities, for those that are valid."""
+
+    def add(number: Array, found: Array) -> Array:
+        # What is beyond the last pair repeats it.
+        pair = jnp.minimum(ROWS_AT_ONCE * number + jnp.arange(ROWS_AT_ONCE), listed - 1)
+        part = jnp.einsum("pijk,pjk->pi", rows[pair], densities[pairs.cell[pair]])
+        return found.at[pair].set(part)
+
+    listed = jnp.minimum(pairs.count, len(rows))
+    start = jnp.zeros(rows.shape[:2])
+    return jax.lax.fori_loop(0, -(-listed // ROWS_AT_ONCE), add, start)

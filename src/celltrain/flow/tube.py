@@ -18,6 +18,7 @@ viscosity.
 import math
 from collections.abc import Callable
 
+import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
@@ -32,7 +33,7 @@ from celltrain.flow.wall_synthesis import WallSynthesis, wall_synthesis
 from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.runtime import constant
 
-# Close pairs listed for each point of the wall, on average.
+# Close pairs listed for each point of the wall, on average, where cells may be that close to it.
 WALL_SHARE = 0.5
 
 
@@ -43,6 +44,7 @@ class PeriodicTube(SurroundingFlow):
     transform: Transform
     wall: TubeWall
     wall_synthesis: WallSynthesis
+    wall_share: float = eqx.field(static=True)
 
     @property
     def near_parameter(self) -> float:
@@ -130,7 +132,7 @@ class PeriodicTube(SurroundingFlow):
         off_cells = jnp.full(len(strips), -1)
         groups = targets.reshape(targets.shape[0], -1, 3)
         by_cells = self.near.close_targets(groups, owners, points, CELL_SHARE, shapes=shapes)
-        by_wall = self.near.close_targets(wall, off_cells, points, WALL_SHARE, shapes=shapes)
+        by_wall = self.near.close_targets(wall, off_cells, points, self.wall_share, shapes=shapes)
         return None if by_cells is None or by_wall is None else (by_cells, by_wall)
 
 
@@ -162,6 +164,8 @@ def periodic_tube(
     - `coarse_beyond`: distance from a cell at which its coarse samples serve.
     """
     split = ewald_split(cutoff, tolerance)
+    evaluation = None if close is None else close(split.parameter)
+    none_close = evaluation is None or wall_gap >= evaluation.distance
     # Wider than the tube by the near kernel's range, which so never reaches an image across.
     box = transform(split, diameter + cutoff, period, tolerance)
     wall = tube_wall(0.5 * diameter, period, wall_gap=wall_gap, tolerance=tolerance)
@@ -171,10 +175,11 @@ def periodic_tube(
             cutoff=split.cutoff,
             period=constant(float(period)),
             images=math.floor((cutoff + extent + period) / period),
-            close=None if close is None else close(split.parameter),
+            close=evaluation,
             coarse_beyond=coarse_beyond,
         ),
         transform=box,
         wall=wall,
         wall_synthesis=wall_synthesis(box, wall),
+        wall_share=0.0 if none_close else WALL_SHARE,
     )

@@ -64,6 +64,6 @@ def pole_rotation(degree: int) -> PoleRotation:
     x, y, z = unit_vectors(theta, phi).T
     turned = real_harmonics(degree, np.arctan2(np.hypot(x, z), -y), np.arctan2(z, x))
     n, _ = degrees_and_orders(degree)
-    projection = (np.asarray(grid.values) * np.asarray(grid.weights)[:, None]).T
+    projection = np.asarray(grid.projection)
     quarter = projection @ turned
     return PoleRotation(constant(np.where(n[:, None] == n, quarter, 0.0)))
