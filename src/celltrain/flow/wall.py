@@ -29,9 +29,9 @@ from celltrain.runtime import constant
 
 # Points across a strip along the tube.
 STRIP = 8
-# Chebyshev nodes beyond those that the steepest radial function asks for: the error of the
-# interpolation of cells' flows is below a hundredth of a tolerance of 1e-3 or less.
-MORE = 4
+# Chebyshev nodes for each that the hardest radial function asks for, and beyond: the error of the
+# interpolation of cells' flows is then a fifth of the tolerance or less.
+MARGIN, MORE = 1.14, 4
 # Bessel functions of the wall's modes below this are not formed: they would underflow.
 LEAST_BESSEL = 1e-200
 
@@ -246,10 +246,12 @@ def tube_wall(radius: float, period: float, *, wall_gap: float, tolerance: float
     The velocity on the wall that a source at that distance gives has modes that fall as
     exp(-k wall_gap), and so does their effect back there; both are resolved to `tolerance`.
     """
-    largest = -math.log(tolerance) / (1.4 * wall_gap)
-    # As many as the polynomial of exp(k (r - R)), k the largest wave number, has coefficients above
-    # the tolerance.
-    angles = _node_angles(math.ceil(math.sqrt(largest * radius * -math.log(tolerance))) + MORE)
+    digits = -math.log(tolerance)
+    largest = digits / (1.4 * wall_gap)
+    # A polynomial takes sqrt(k R log(amplitude/error)) nodes for exp(k (r - R)), and amplitudes are
+    # exp(-k wall_gap): it is hardest at k = log(1/tolerance)/(2 wall_gap).
+    hardest = 0.5 * digits * math.sqrt(radius / wall_gap)
+    angles = _node_angles(math.ceil(MARGIN * hardest) + MORE)
     depths = radius * np.sin(0.5 * angles) ** 2
     halvings = np.log2(np.maximum(0.5 * (1.0 + depths / wall_gap), 1.0)).astype(int)
     layers = [(largest / 2**each, angles[halvings == each]) for each in np.unique(halvings)]
