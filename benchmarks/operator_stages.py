@@ -75,8 +75,11 @@ def _modes(operator: CellsOperator, shapes: jax.Array) -> jax.Array:
 
 
 def _synthesise(operator: CellsOperator, targets: jax.Array, modes: jax.Array) -> jax.Array:
-    points = jnp.concatenate([targets, operator.flow.wall.points().reshape(-1, 3)])
-    return operator.flow.transform.synthesise(points, modes)
+    return operator.flow.transform.synthesise(targets, modes)
+
+
+def _far_at_wall(operator: CellsOperator, modes: jax.Array) -> jax.Array:
+    return operator.flow.wall_synthesis.fields(modes)
 
 
 def _near_wall(operator: CellsOperator, sources: Sources) -> jax.Array:
@@ -135,6 +138,7 @@ STAGES: dict[str, Callable[[], Work]] = {
     ),
     "evaluation.far_analyse": lambda: _evaluation(_analyse, _sources),
     "evaluation.far_synthesise": lambda: _evaluation(_synthesise, _loose_targets, _modes),
+    "evaluation.far_at_wall": lambda: _evaluation(_far_at_wall, _modes),
     "evaluation.near_wall": lambda: _evaluation(_near_wall, _sources),
     "evaluation.near_cells": lambda: _evaluation(_near_cells, _targets, _sources),
     "evaluation.wall_flow": lambda: _evaluation(_wall_flow, _loose_targets, _wall_velocity),
