@@ -14,6 +14,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.special import erfc
 
+from celltrain.clock import compilation
 from celltrain.flow import PeriodicTube, Sources, periodic_tube
 from celltrain.flow.ewald import near_scalars, near_slopes
 from celltrain.flow.near import block_sum, near_sum
@@ -82,6 +83,14 @@ def forces() -> np.ndarray:
 @pytest.fixture(scope="module")
 def targets() -> np.ndarray:
     return cloud(3, 24, 2.0, 2 * PERIOD)
+
+
+def test_a_tube_is_made_without_a_program() -> None:
+    """Of sizes that nothing else has: what JAX makes by itself it compiles for each."""
+    before = compilation.seconds()
+    made = make_tube(periods=3, wall_gap=0.71, cutoff=1.7)
+    assert made.wall_synthesis.phases.size > 0
+    assert compilation.seconds() == before
 
 
 def test_near_kernel_against_its_definition() -> None:

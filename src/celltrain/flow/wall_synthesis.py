@@ -53,8 +53,13 @@ class WallSynthesis(eqx.Module):
 
 def wall_synthesis(transform: Transform, wall: TubeWall) -> WallSynthesis:
     """From the modes of a transform to the points of a wall."""
-    x, y, _ = np.moveaxis(np.asarray(wall.points()[0]), -1, 0)
-    kx, ky, _ = (np.asarray(each).ravel() for each in transform.wave_vectors())
+    # By NumPy alone, which compiles no programs.
+    kx, ky = (
+        2.0 * math.pi * (np.arange(count) - count // 2) / length
+        for count, length in zip(transform.shape[:2], np.asarray(transform.box)[:2], strict=True)
+    )
+    theta = 2.0 * math.pi * np.arange(wall.azimuths) / wall.azimuths
+    x, y = float(wall.radius) * np.cos(theta), float(wall.radius) * np.sin(theta)
     phase = (x[:, None, None] * kx[:, None] + y[:, None, None] * ky).reshape(len(x), -1)
     half = phase[:, : phase.shape[1] // 2 + 1]
     # Wave vector 0 is its own mirror image.
