@@ -22,7 +22,7 @@ from celltrain.compiled.nearest_search import (
 from celltrain.compiled.pairs import near_parts
 from celltrain.flow import own_surface_rule
 from celltrain.flow.close import LevelledPairs, _force_formula, close_rule, force_velocity
-from celltrain.flow.near import NearPairs, _pair_sums_formula, block_sum, pair_sums
+from celltrain.flow.near import PATCH, NearPairs, _pair_sums_formula, block_sum, pair_sums
 from celltrain.flow.own_surface import (
     _double_layer_formula,
     _own_formula,
@@ -36,8 +36,8 @@ from celltrain.proximity.nearest import nearest_point_search, nearest_points
 from celltrain.runtime import constant
 
 XI, CUTOFF = 1.3, 1.6
-# Three patches of sources, the last one with fewer.
-CHUNKS, TARGETS, BLOCKS, SOURCES, IMAGES = 3, 5, 4, 71, 1
+# Five patches of sources, the last one with fewer.
+CHUNKS, TARGETS, BLOCKS, SOURCES, IMAGES = 3, 5, 4, 5 * PATCH - 9, 1
 
 
 def inputs() -> list[jax.Array]:
@@ -46,8 +46,8 @@ def inputs() -> list[jax.Array]:
     shapes = ((CHUNKS, TARGETS, 3), *((BLOCKS, SOURCES, parts) for parts in (3, 3, 6)))
     made = [random.normal(size=shape) for shape in shapes]
     # Most patches are out of the range of most targets.
-    middles = 2.0 * random.normal(size=(BLOCKS, 3, 3))
-    made[1] = 0.3 * made[1] + np.repeat(middles, 24, axis=1)[:, :SOURCES]
+    middles = 2.0 * random.normal(size=(BLOCKS, 5, 3))
+    made[1] = 0.3 * made[1] + np.repeat(middles, PATCH, axis=1)[:, :SOURCES]
     return [*map(jnp.asarray, made), jnp.asarray(0.5)]
 
 

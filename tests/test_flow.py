@@ -146,6 +146,19 @@ def test_near_sum_is_the_sum_over_pairs_within_the_cutoff() -> None:
     assert_allclose(summed, expected, rtol=0, atol=1e-12)
 
 
+def test_a_target_that_is_no_number_changes_no_other() -> None:
+    random = np.random.default_rng(6)
+    targets, sources, strengths = random.uniform(-1, 1, size=(3, 1, 20, 3))
+    given = Sources(jnp.asarray(sources)[:, :, None], jnp.asarray(strengths)[:, :, None])
+    ranges = {"parameter": 0.8, "cutoff": 3.5, "period": jnp.asarray(9.0), "images": 0}
+    expected = near_sum(jnp.asarray(targets), LOOSE, given, **ranges)
+    targets[0, 3] = np.nan
+    found = np.array(near_sum(jnp.asarray(targets), LOOSE, given, **ranges))
+    assert np.isnan(found[0, 3]).all()
+    found[0, 3] = expected[0, 3]
+    assert_allclose(found, expected, rtol=0, atol=1e-14)
+
+
 def test_near_sum_leaves_out_what_is_out_of_range() -> None:
     def one(height: float) -> np.ndarray:
         return np.asarray(

@@ -219,6 +219,7 @@ def test_a_wide_tube_is_unbounded() -> None:
         wall_gap=3.0,
         extent=2.5,
         close=None,
+        near_wall=True,
         coarse_beyond=math.inf,
     )
 

@@ -16,7 +16,10 @@ from celltrain.evolution.wall_resolution import LARGEST, SMALLEST, followed
 from celltrain.flow import wall
 from celltrain.flow.wall import _axial_response, _bessel_ratios
 from celltrain.harmonics import UNIT_DISPLACEMENT
-from celltrain.train import train_operator
+from celltrain.proximity.close_pairs import ClosePairs
+from celltrain.proximity.distances import wall_distance
+from celltrain.proximity.walls import RoundWall
+from celltrain.train import resting_shapes, train_operator
 
 
 def test_what_is_served_is_never_above_the_distance() -> None:
@@ -52,23 +55,27 @@ def test_modes_of_any_order_are_finite_and_take_their_values_at_the_wall() -> No
         assert_allclose(_bessel_ratios(60, waves, 3.0, r), direct, rtol=1e-11)
 
 
-@pytest.mark.parametrize(("wall_gap", "share"), [(0.8, 0.0), (0.4, 0.5)])
+@pytest.mark.parametrize(("wall_gap", "many"), [(0.8, False), (0.4, True), (None, True)])
 def test_pairs_close_to_the_wall_are_listed_where_cells_may_be(
-    wall_gap: float, share: float
+    wall_gap: float | None, many: bool
 ) -> None:
-    """At degree 12 a cell is close to what is less than 0.44 r0 from it."""
-    operator = train_operator(Train(diameter=6, packing=0.2, degree=12), wall_gap=wall_gap)
+    """At degree 12 a cell is close to what is less than 0.44 r0 from it; this is 0.1."""
+    train = Train(diameter=4.6, packing=0.2, degree=12)
+    operator = train_operator(train, wall_gap=wall_gap)
+    shapes = resting_shapes(train, 1)
+    distance = float(wall_distance(shapes, RoundWall(train.radius))[0])
+    shapes[:, 0, 0] += (distance - 0.1) * UNIT_DISPLACEMENT
 
-    def listed(shapes: jax.Array) -> jax.Array:
+    @jax.jit
+    def pairs(shapes: jax.Array) -> ClosePairs:
         points = operator.source_points(shapes)
         found = operator.flow.close_targets(operator.targets(shapes), jnp.arange(1), points)
         assert found is not None
-        return found[1].pairs.valid
+        return found[1].pairs
 
-    count = operator.flow.wall.rings * operator.flow.wall.azimuths
-    (size,) = jax.eval_shape(listed, jnp.zeros((1, 3, 144))).shape
-    # Strips are filled up to whole ones.
-    assert max(64, share * count) <= size <= max(64, share * count + 8 * operator.flow.wall.rings)
+    found = pairs(shapes)
+    assert found.count > 64
+    assert found.overflow == (not many)
 
 
 @pytest.fixture(scope="module")

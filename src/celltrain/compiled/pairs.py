@@ -75,7 +75,7 @@ def parts_within(square: float, xi: float, within: float) -> tuple[float, float,
 
 @part()
 def _beyond(target: Any, reach: Any) -> bool:
-    """Whether a patch [x, y, z, r^2 from there that its range has] is out of a target's range."""
+    """Whether a target is out of a patch's range [middle, squared radius]."""
     away = (target[0] - reach[0], target[1] - reach[1], target[2] - reach[2])
     return squared(away) >= reach[3]
 

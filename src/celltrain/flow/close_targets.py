@@ -46,7 +46,7 @@ class CloseEvaluation(eqx.Module):
         images: int,
         share: float,
     ) -> CloseTargets:
-        """The close pairs of these targets and cells, `share` of them for each target or fewer."""
+        """The close pairs of these targets and cells: `share` for each target, or 64 in all."""
         capacity = max(64, round(share * targets.shape[0] * targets.shape[1]))
         return CloseTargets(
             close_pairs(

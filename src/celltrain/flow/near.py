@@ -135,7 +135,8 @@ def near_sum(
     )
     assert points is not None
     cells = jnp.tile(jnp.arange(sources.cells), points.shape[0] // sources.cells)
-    near = chunks.distance(points) < cutoff
+    # So that a target that is no number takes nothing from the others of its chunk.
+    near = ~(chunks.distance(points) >= cutoff)
     if sources.coarse is not None:
         far = chunks.distance(sources.points.reshape(sources.cells, -1, 3)) >= coarse_beyond
         is_coarse = jnp.arange(cells.size) >= cells.size - sources.cells
@@ -215,7 +216,7 @@ def _in_patches(
 def _ranges(
     points: Float[Array, "block patch 3 place"], cutoff: float
 ) -> Float[Array, "block patch 4"]:
-    """Middle of each patch, and the square of the distance from there that its range has."""
+    """Middle and squared radius of balls outside which no source of a patch is in range."""
     middle = 0.5 * (jnp.min(points, axis=3) + jnp.max(points, axis=3))
     square = jnp.max(jnp.sum((points - middle[..., None]) ** 2, axis=2), axis=2)
     return jnp.concatenate([middle, ((jnp.sqrt(square) + cutoff) ** 2)[..., None]], axis=2)
@@ -294,5 +295,7 @@ def _in_bands(samples: Float[Array, "set ring azimuth part"]) -> Float[Array, "s
     """Samples of some rings at a time, so that neighbours follow each other."""
     sets, rings, _, parts = samples.shape
     bands = [samples[:, first : first + BAND] for first in range(0, rings, BAND)]
-    turned = [jnp.swapaxes(band, 1, 2).reshape(sets, -1, parts) for band in bands]
+    # Forth and back.
+    ways = [band[:, :, :: (-1) ** number] for number, band in enumerate(bands)]
+    turned = [jnp.swapaxes(band, 1, 2).reshape(sets, -1, parts) for band in ways]
     return jnp.concatenate(turned, axis=1)

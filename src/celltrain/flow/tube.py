@@ -150,6 +150,7 @@ def periodic_tube(
     cutoff: float,
     tolerance: float,
     close: Callable[[float], CloseEvaluation] | None = None,
+    near_wall: bool = True,
     coarse_beyond: float = math.inf,
 ) -> PeriodicTube:
     """A tube of the given diameter and axial period (r0).
@@ -161,11 +162,11 @@ def periodic_tube(
       fixes how many images the near sum visits.
     - `cutoff`, `tolerance`: range of the Ewald near kernel and relative truncation error.
     - `close`: makes what serves targets close to a cell, from the parameter of the near kernel.
+    - `near_wall`: whether cells may be that close to the wall. If not, a few such pairs of a cell
+      and a point of the wall are served, and with more of them velocities are NaN.
     - `coarse_beyond`: distance from a cell at which its coarse samples serve.
     """
     split = ewald_split(cutoff, tolerance)
-    evaluation = None if close is None else close(split.parameter)
-    none_close = evaluation is None or wall_gap >= evaluation.distance
     # Wider than the tube by the near kernel's range, which so never reaches an image across.
     box = transform(split, diameter + cutoff, period, tolerance)
     wall = tube_wall(0.5 * diameter, period, wall_gap=wall_gap, tolerance=tolerance)
@@ -175,11 +176,11 @@ def periodic_tube(
             cutoff=split.cutoff,
             period=constant(float(period)),
             images=math.floor((cutoff + extent + period) / period),
-            close=evaluation,
+            close=None if close is None else close(split.parameter),
             coarse_beyond=coarse_beyond,
         ),
         transform=box,
         wall=wall,
         wall_synthesis=wall_synthesis(box, wall),
-        wall_share=0.0 if none_close else WALL_SHARE,
+        wall_share=WALL_SHARE if near_wall else 0.0,
     )

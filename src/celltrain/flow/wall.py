@@ -29,8 +29,8 @@ from celltrain.runtime import constant
 
 # Points across a strip along the tube.
 STRIP = 8
-# Chebyshev nodes for each that the hardest radial function asks for, and beyond: the error of the
-# interpolation of cells' flows is then a fifth of the tolerance or less.
+# So many times the Chebyshev nodes that the hardest wave is estimated to take, and so many more:
+# the error of the interpolation of cells' flows is then a fifth of the tolerance or less.
 MARGIN, MORE = 1.14, 4
 # Bessel functions of the wall's modes below this are not formed: they would underflow.
 LEAST_BESSEL = 1e-200

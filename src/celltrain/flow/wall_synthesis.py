@@ -22,7 +22,7 @@ from celltrain.runtime import constant
 
 
 class WallSynthesis(eqx.Module):
-    """From modes to the points of a tube's wall; `rings` is their number along the tube.
+    """From modes to the points of a tube's wall, which are on `rings` rings.
 
     `phases`: cosines of kx x + ky y, and after them the sines, for half of the wave vectors across
     the tube, the last of which is 0.

@@ -84,7 +84,8 @@ def close_pairs(
     targets, sources, period = jax.lax.stop_gradient((targets, sources, jnp.asarray(period)))
     chunks = chunks_of(targets, owners, period=period, images=images)
     cells = jnp.arange(sources.shape[0])
-    within = (chunks.distance(sources) < distance) & ~chunks.own(cells)
+    # So that a target that is no number takes nothing from the others of its chunk.
+    within = ~(chunks.distance(sources) >= distance) & ~chunks.own(cells)
     size = min(within.size, max(PAIR_CHUNK, ROWS_PER_CHUNK * chunks.points.shape[0]))
     pairs = jnp.nonzero(within.ravel(), size=size, fill_value=0)[0]
     reached = jnp.sum(within)

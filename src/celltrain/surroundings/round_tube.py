@@ -47,6 +47,7 @@ class RoundTube(Surroundings):
             cutoff=rules.near_cutoff,
             tolerance=rules.tolerance,
             close=rules.close,
+            near_wall=rules.near_wall,
             coarse_beyond=rules.coarse_beyond,
         )
 

@@ -29,6 +29,7 @@ class FlowRules:
         extent: how far a cell may reach along z from its centre, r0.
         close: makes what serves targets close to a cell, from xi of the near kernel; None if there
             are no such targets.
+        near_wall: whether cells may be that close to the wall.
         coarse_beyond: distance from a cell at which its coarse samples serve, r0.
     """
 
@@ -37,6 +38,7 @@ class FlowRules:
     wall_gap: float
     extent: float
     close: Callable[[float], CloseEvaluation] | None
+    near_wall: bool
     coarse_beyond: float
 
 

@@ -295,8 +295,9 @@ def cells_operator(
 
     - `viscosity_ratio`: viscosity inside the cells over that outside.
     - `close`: whether cells may come closer to each other or to the wall than `close_distance`.
-    - `wall_gap`: smallest distance of a cell from the wall for which the wall is resolved, in r0;
-      by default that of a resting cell about the origin.
+    - `wall_gap`: smallest distance of a cell from the wall, in r0, for which the wall is resolved.
+      If cells are nearer, errors grow, and rates may be NaN. By default the wall is resolved for
+      the distance of a resting cell about the origin, and nearer cells have errors only.
     - `coupling`: what the cells of a steady train give each other, which lets the flow inside cells
       be found in fewer iterations near that train.
 
@@ -310,6 +311,7 @@ def cells_operator(
     order = sizes.source_order
     halved = order % 2 == 0 and order // 2 >= sizes.degree
     near = close_distance(resolution)
+    near_wall = wall_gap is None or wall_gap < near
     if wall_gap is None:
         resting = surface_points(np.asarray(membrane.reference_shape), target_grid.values)
         wall_gap = surroundings.wall_distance(np.asarray(resting))
@@ -328,6 +330,7 @@ def cells_operator(
             wall_gap=wall_gap,
             extent=HALF_LENGTH,
             close=close_evaluation if close else None,
+            near_wall=near_wall,
             coarse_beyond=2.0 * near * farther,
         )
     )
