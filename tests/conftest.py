@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from jaxtyping import install_import_hook
 
 # Before anything of the package is imported, and JAX with it. Cases check themselves.
@@ -36,6 +37,9 @@ os.environ.setdefault("JAX_DISABLE_MOST_OPTIMIZATIONS", "1")
 os.environ.setdefault("CELLTRAIN_KEEP_PROGRAMS", "0")
 # As the command line does; what tests compile makes every look for garbage long.
 gc.set_threshold(50_000, 20, 50)
+# A test fails by what it finds, not by how long that takes on a busy machine.
+settings.register_profile("celltrain", deadline=None)
+settings.load_profile("celltrain")
 
 install_import_hook([f"celltrain.{name}" for name in TYPED], "beartype.beartype")
 

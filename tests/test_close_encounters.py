@@ -138,7 +138,6 @@ def test_estimate_bounds_the_effect_of_each_rule() -> None:
 
 @settings(
     max_examples=2,
-    deadline=None,
     derandomize=True,
     # A smaller example says no more, and takes as long.
     phases=[Phase.generate],

@@ -67,7 +67,7 @@ def near_parts(square: float, xi: float) -> tuple[float, float, float]:
 
 @part(fastmath=FAST, inline="always")
 def parts_within(square: float, xi: float, within: float) -> tuple[float, float, float]:
-    """The same, the first two 0 where r^2 is not below `within`."""
+    """The parts of the near kernel, the first two 0 where r^2 is not below `within`."""
     screened, gauss, inverse_square = near_parts(square, xi)
     kept = 0.0 if square >= within else 1.0
     return kept * screened, kept * gauss, inverse_square
