@@ -83,6 +83,22 @@ def test_search_against_all_distances(
     assert (found.image[(found.group == found.cell) & found.valid] != 0).any()
 
 
+def test_a_target_that_is_no_number_changes_no_other(
+    clouds: tuple[np.ndarray, np.ndarray, np.ndarray], distances: np.ndarray
+) -> None:
+    targets, owners, sources = clouds
+    close = distances.min(axis=-1) < DISTANCE
+    # One that is close to something.
+    group, target = np.argwhere(close.any(axis=(0, 3)))[0]
+    targets = targets.copy()
+    targets[group, target] = np.nan
+    close[:, group, target] = False
+    found = search(targets, owners, sources, capacity=1000)
+    assert not found.overflow
+    assert found.count == close.sum()
+    np.testing.assert_array_equal(left_out(found), close)
+
+
 def test_points_of_the_pairs(
     clouds: tuple[np.ndarray, np.ndarray, np.ndarray], distances: np.ndarray
 ) -> None:

@@ -17,7 +17,7 @@ from scipy.special import erfc
 from celltrain.clock import compilation
 from celltrain.flow import PeriodicTube, Sources, periodic_tube
 from celltrain.flow.ewald import near_scalars, near_slopes
-from celltrain.flow.near import block_sum, near_sum
+from celltrain.flow.near import BAND, _in_bands, block_sum, near_sum
 from celltrain.proximity.chunks import CHUNK
 
 RADIUS, PERIOD = 2.5, 4.0
@@ -157,6 +157,17 @@ def test_a_target_that_is_no_number_changes_no_other() -> None:
     assert np.isnan(found[0, 3]).all()
     found[0, 3] = expected[0, 3]
     assert_allclose(found, expected, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("rings", [4, 10, 15])
+def test_sources_that_follow_each_other_are_neighbours(rings: int) -> None:
+    """So that few patches of them are large."""
+    azimuths = 7
+    places = np.stack(np.meshgrid(np.arange(rings), np.arange(azimuths), indexing="ij"), axis=-1)
+    found = np.asarray(_in_bands(jnp.asarray(places, dtype=float)[None]))[0]
+    assert len({tuple(each) for each in found}) == rings * azimuths
+    assert np.abs(np.diff(found[:, 0])).max() < 2 * BAND
+    assert np.abs(np.diff(found[:, 1])).max() == 1
 
 
 def test_near_sum_leaves_out_what_is_out_of_range() -> None:

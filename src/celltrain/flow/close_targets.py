@@ -16,7 +16,7 @@ from celltrain.harmonics.jax_shapes import JaxShapes
 from celltrain.proximity.close_pairs import ClosePairs, close_pairs
 
 # Pairs whose matrices are applied together.
-ROWS_AT_ONCE = 64
+PAIRS_AT_ONCE = 64
 
 
 class CloseTargets(eqx.Module):
@@ -109,10 +109,10 @@ def _products(
 
     def add(number: Array, found: Array) -> Array:
         # What is beyond the last pair repeats it.
-        pair = jnp.minimum(ROWS_AT_ONCE * number + jnp.arange(ROWS_AT_ONCE), listed - 1)
+        pair = jnp.minimum(PAIRS_AT_ONCE * number + jnp.arange(PAIRS_AT_ONCE), listed - 1)
         part = jnp.einsum("pijk,pjk->pi", rows[pair], densities[pairs.cell[pair]])
         return found.at[pair].set(part)
 
     listed = jnp.minimum(pairs.count, len(rows))
     start = jnp.zeros(rows.shape[:2])
-    return jax.lax.fori_loop(0, -(-listed // ROWS_AT_ONCE), add, start)
+    return jax.lax.fori_loop(0, -(-listed // PAIRS_AT_ONCE), add, start)

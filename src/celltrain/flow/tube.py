@@ -38,7 +38,10 @@ WALL_SHARE = 0.5
 
 
 class PeriodicTube(SurroundingFlow):
-    """Flow in one axial period of a tube; velocities have forward derivatives."""
+    """Flow in one axial period of a tube; velocities have forward derivatives.
+
+    `wall_share`: close pairs listed for each point of the wall, on average.
+    """
 
     near: CellSums
     transform: Transform

@@ -246,12 +246,12 @@ def tube_wall(radius: float, period: float, *, wall_gap: float, tolerance: float
     The velocity on the wall that a source at that distance gives has modes that fall as
     exp(-k wall_gap), and so does their effect back there; both are resolved to `tolerance`.
     """
-    digits = -math.log(tolerance)
-    largest = digits / (1.4 * wall_gap)
+    exponent = -math.log(tolerance)
+    largest = exponent / (1.4 * wall_gap)
     # A polynomial takes sqrt(k R log(amplitude/error)) nodes for exp(k (r - R)), and amplitudes are
-    # exp(-k wall_gap): it is hardest at k = log(1/tolerance)/(2 wall_gap).
-    hardest = 0.5 * digits * math.sqrt(radius / wall_gap)
-    angles = _node_angles(math.ceil(MARGIN * hardest) + MORE)
+    # exp(-k wall_gap): it takes most at k = log(1/tolerance)/(2 wall_gap).
+    most = 0.5 * exponent * math.sqrt(radius / wall_gap)
+    angles = _node_angles(math.ceil(MARGIN * most) + MORE)
     depths = radius * np.sin(0.5 * angles) ** 2
     halvings = np.log2(np.maximum(0.5 * (1.0 + depths / wall_gap), 1.0)).astype(int)
     layers = [(largest / 2**each, angles[halvings == each]) for each in np.unique(halvings)]
