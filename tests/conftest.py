@@ -41,7 +41,7 @@ gc.set_threshold(50_000, 20, 50)
 settings.register_profile("celltrain", deadline=None)
 settings.load_profile("celltrain")
 
-install_import_hook([f"celltrain.{name}" for name in TYPED], "beartype.beartype")
+install_import_hook([f"celltrain.{name}" for name in TYPED], "checked_types.checked")
 
 from celltrain.harmonics import azimuthal_basis, real_harmonics
 from celltrain.parameters import Train

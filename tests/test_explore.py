@@ -2,7 +2,9 @@
 
 import json
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 import pytest
@@ -26,7 +28,7 @@ from celltrain.explore.report import report, row
 from celltrain.explore.server import guarded, is_loopback
 from celltrain.parameters import CaseError, Train
 from celltrain.results import save
-from celltrain.stability import Stability, infinite_train, transient_growth
+from celltrain.stability import InfiniteTrain, Stability, infinite_train, transient_growth
 from celltrain.steady import Base
 
 PLAIN = Reading("dimensionless", USUAL.scales)
@@ -157,6 +159,50 @@ def test_a_computation_nobody_waits_for_is_given_up() -> None:
         engine.rest("page", number)
     with pytest.raises(Superseded):
         engine.coarse(View(Train(diameter=6, packing=0.3, cells=3)), check)
+
+
+def test_pages_that_ask_for_the_same_wait_for_one_computation(
+    coarse_stability: Stability, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    picture = Picture(View(coarse_stability.base.train), True, coarse_stability)
+    engine, begun, go_on = Engine(), Event(), Event()
+    computations: list[int] = []
+    found = object.__new__(InfiniteTrain)
+
+    def waves(*_: object, **__: object) -> InfiniteTrain:
+        computations.append(1)
+        begun.set()
+        go_on.wait()
+        if len(computations) == 1:
+            raise Superseded
+        return found
+
+    monkeypatch.setattr("celltrain.explore.engine.infinite_train", waves)
+    monkeypatch.setattr("celltrain.explore.engine.growth_curves", lambda *_, **__: None)
+    with ThreadPoolExecutor(3) as pages:
+        first = pages.submit(engine.curves, picture, lambda: None)
+        begun.wait()
+        others = [pages.submit(engine.curves, picture, lambda: None) for _ in range(2)]
+        go_on.set()
+        with pytest.raises(Superseded):
+            first.result()
+        assert all(each.result().waves is found for each in others)
+    assert engine.curves(picture, lambda: None).waves is found
+    assert len(computations) == 2
+
+
+def test_what_is_given_up_takes_no_result_away() -> None:
+    engine = Engine()
+    case = Train(diameter=6, packing=0.3, cells=3, degree=8)
+    first = engine.coarse(View(case))
+
+    def check() -> None:
+        raise Superseded
+
+    for diameter in (6.1, 6.2, 6.3, 6.4):
+        with pytest.raises(Superseded):
+            engine.coarse(View(case.changed(diameter=diameter)), check)
+    assert engine.coarse(View(case)).result is first.result
 
 
 def test_growth_by_squares_is_growth_by_exponentials(coarse_stability: Stability) -> None:

@@ -58,7 +58,8 @@ _LARGEST = (
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
-    driver = open_browser(tmp_path_factory.mktemp("profile"))
+    # Small: without a graphics card, drawing is most of the time.
+    driver = open_browser(tmp_path_factory.mktemp("profile"), width=700, height=500)
     yield driver
     driver.quit()
 

@@ -20,7 +20,7 @@ from celltrain.harmonics import (
     coefficient_index,
     degrees_and_orders,
 )
-from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.grid import SphereGrid, sphere_grid
 from celltrain.proximity import own_sides
 from celltrain.proximity.film_points import film_grid
 from celltrain.proximity.overlaps import overlaps
@@ -77,11 +77,19 @@ def skewed(shape: np.ndarray) -> np.ndarray:
     return np.asarray(turned @ moved)
 
 
+@pytest.fixture(scope="module")
+def dense() -> SphereGrid:
+    """A grid whose points are close to each other."""
+    return sphere_grid(DEGREE, DENSE)
+
+
 @pytest.mark.parametrize("form", [hourglass, sheared, horn])
 @pytest.mark.parametrize(("gap", "within"), [(0.04, RANGE), (0.02, RANGE), (0.008, 0.0125)])
-def test_distances_are_those_from_the_other_part(form: Any, gap: float, within: float) -> None:
+def test_distances_are_those_from_the_other_part(
+    form: Any, gap: float, within: float, dense: SphereGrid
+) -> None:
     shape = skewed(form(gap))
-    grid, dense = film_grid(DEGREE), sphere_grid(DEGREE, DENSE)
+    grid = film_grid(DEGREE)
     shapes = shape[None]
     found = grid.find(shapes, grid.coarse.surfaces(shapes), within=within, period=math.inf)
     assert len(found.distance) > 50

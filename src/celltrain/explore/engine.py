@@ -11,6 +11,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Generic, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -69,6 +70,56 @@ class Curves:
         return result.most_unstable.growth_rate
 
 
+# A case, whatever its units, and whether it is converged.
+_Key: TypeAlias = tuple[View, bool]
+_Result = TypeVar("_Result")
+
+
+class _Place(Generic[_Result]):
+    """Where a result is, or will be once the one who computes it has it."""
+
+    def __init__(self) -> None:
+        self.computing = threading.Lock()
+        self.result: _Result | None = None
+
+
+class _Kept(Generic[_Result]):
+    """The results that were asked for last; several threads that ask for the same wait for one."""
+
+    def __init__(self) -> None:
+        self._changing = threading.Lock()
+        self._places: OrderedDict[_Key, _Place[_Result]] = OrderedDict()
+
+    def known(self, key: _Key) -> _Result | None:
+        """What there is already."""
+        with self._changing:
+            place = self._places.get(key)
+            if place is not None:
+                self._places.move_to_end(key)
+        return None if place is None else place.result
+
+    def get(self, key: _Key, compute: Callable[[], _Result]) -> _Result:
+        """The result, computed if it is not there; what `compute` raises is raised."""
+        with self._changing:
+            place = self._places.setdefault(key, _Place())
+        with place.computing:
+            if place.result is None:
+                try:
+                    place.result = compute()
+                finally:
+                    self._put(key, place)
+            return place.result
+
+    def _put(self, key: _Key, place: _Place[_Result]) -> None:
+        """Keep a place with a result as the newest one; drop what has none."""
+        with self._changing:
+            self._places.pop(key, None)
+            if place.result is not None:
+                self._places[key] = place
+            while len(self._places) > _RESULTS:
+                self._places.popitem(last=False)
+
+
 class Engine:
     """Computes for the pages of one process; `start` is a steady train that is known already."""
 
@@ -77,7 +128,8 @@ class Engine:
         self._changed = threading.Condition()
         self._newest: OrderedDict[str, int] = OrderedDict()
         self._bases: list[Base] = [] if start is None else [start]
-        self._results: OrderedDict[tuple[View, bool], Picture] = OrderedDict()
+        self._pictures: _Kept[Picture] = _Kept()
+        self._curves: _Kept[Curves] = _Kept()
 
     def warm_up(self, view: View | None = None) -> None:
         """Load what is compiled, and the first picture: the page then answers at once."""
@@ -107,15 +159,19 @@ class Engine:
             return known
         degree = min(view.train.resolution.degree or COARSE, COARSE)
         train = view.train.changed(degree=degree)
-        with self._computing:
-            base = self._near(train, check)
-            result: Stability | InfiniteTrain
-            if view.infinite:
-                phases = np.linspace(0.0, np.pi, COARSE_PHASES)
-                result = infinite_train(base, phases=phases, estimate_error=False, search=False)
-            else:
-                result = stability(base, azimuthal_numbers=NUMBERS, estimate_error=False)
-        return self._keep(Picture(view, False, result))
+
+        def compute() -> Picture:
+            with self._computing:
+                base = self._near(train, check)
+                result: Stability | InfiniteTrain
+                if view.infinite:
+                    phases = np.linspace(0.0, np.pi, COARSE_PHASES)
+                    result = infinite_train(base, phases=phases, estimate_error=False, search=False)
+                else:
+                    result = stability(base, azimuthal_numbers=NUMBERS, estimate_error=False)
+            return Picture(view, False, result)
+
+        return replace(self._pictures.get(_key(view, False), compute), view=view)
 
     def converged(self, view: View, check: Callable[[], None]) -> Picture:
         """The case as the command line computes it; `check` may raise.
@@ -123,16 +179,17 @@ class Engine:
         Raises:
             CaseError, NotConverged: if there is no steady train.
         """
-        known = self._known(view, True)
-        if known is not None:
-            return known
 
         def look(*_: object) -> None:
             check()
 
-        compute = infinite_train if view.infinite else stability
-        result = compute(view.train, progress=look, iteration=look, tell=look)
-        return self._keep(Picture(view, True, result))
+        def compute() -> Picture:
+            of_kind = infinite_train if view.infinite else stability
+            return Picture(
+                view, True, of_kind(view.train, progress=look, iteration=look, tell=look)
+            )
+
+        return replace(self._pictures.get(_key(view, True), compute), view=view)
 
     def curves(self, picture: Picture, check: Callable[[], None]) -> Curves:
         """What else is drawn of a picture, as coarse or exact as it is."""
@@ -143,18 +200,22 @@ class Engine:
 
         if isinstance(result, InfiniteTrain):
             return Curves(picture, result, None)
-        phases = None if picture.converged else np.linspace(0.0, np.pi, COARSE_PHASES)
-        waves = infinite_train(
-            result.base,
-            phases=phases,
-            estimate_error=False,
-            search=picture.converged,
-            progress=look,
-            tell=look,
-        )
-        check()
-        growth = growth_curves(result, until=UNTIL, check=check, fine=picture.converged)
-        return Curves(picture, waves, growth)
+
+        def compute() -> Curves:
+            waves = infinite_train(
+                result.base,
+                phases=None if picture.converged else np.linspace(0.0, np.pi, COARSE_PHASES),
+                estimate_error=False,
+                search=picture.converged,
+                progress=look,
+                tell=look,
+            )
+            check()
+            growth = growth_curves(result, until=UNTIL, check=check, fine=picture.converged)
+            return Curves(picture, waves, growth)
+
+        found = self._curves.get(_key(picture.view, picture.converged), compute)
+        return replace(found, picture=picture)
 
     def check(self, page: str, number: int) -> Callable[[], None]:
         """Raises `Superseded` once the page has asked for something else."""
@@ -205,21 +266,13 @@ class Engine:
         return base
 
     def _known(self, view: View, converged: bool) -> Picture | None:
-        # Units are nothing to compute by.
-        key = (replace(view, units="dimensionless"), converged)
-        with self._changed:
-            found = self._results.get(key)
-            if found is not None:
-                self._results.move_to_end(key)
+        found = self._pictures.known(_key(view, converged))
         return None if found is None else replace(found, view=view)
 
-    def _keep(self, picture: Picture) -> Picture:
-        key = (replace(picture.view, units="dimensionless"), picture.converged)
-        with self._changed:
-            self._results[key] = picture
-            while len(self._results) > _RESULTS:
-                self._results.popitem(last=False)
-        return picture
+
+def _key(view: View, converged: bool) -> _Key:
+    # Units are nothing to compute by.
+    return replace(view, units="dimensionless"), converged
 
 
 def _never() -> None: ...
