@@ -43,6 +43,7 @@ from celltrain.stability import Stability, stability
 from celltrain.steady import Base
 from celltrain.study import collect_sample, make_sampled_study
 
+# `.ci/run` installs one; for who has none, all else must pass.
 pytestmark = pytest.mark.skipif(
     not there_is_one(), reason="there is no browser: chromium and chromium-driver"
 )
