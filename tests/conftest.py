@@ -63,6 +63,12 @@ def bullet(degree: int) -> np.ndarray:
     return np.stack([x, y, z]) * weights @ real_harmonics(degree, theta, phi)
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with slow tests come first: the last ones of a process leave others with nothing."""
+    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: item.path not in slow)
+
+
 @pytest.fixture(autouse=True, scope="module")
 def release_programs() -> Iterator[None]:
     """Compiled programs go with their module: kept all together, they crash the compiler."""

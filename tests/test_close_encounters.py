@@ -109,6 +109,7 @@ def test_two_spheres_approaching(gap: float) -> None:
     assert error < 1e-4 * np.linalg.norm(found[1], axis=-1).max()
 
 
+@pytest.mark.slow
 def test_estimate_bounds_the_effect_of_each_rule() -> None:
     # So fine that what the target grid leaves is most of the error.
     train = TRAIN.changed(
@@ -136,6 +137,7 @@ def test_estimate_bounds_the_effect_of_each_rule() -> None:
         assert 0.0 < change < estimate * np.linalg.norm(expected, axis=-1).max()
 
 
+@pytest.mark.slow
 @settings(
     max_examples=2,
     derandomize=True,
@@ -180,6 +182,7 @@ def test_reciprocity_of_close_cells(operator: CellsOperator) -> None:
     assert_allclose(power(first, second), power(second, first), rtol=0, atol=1e-4 * scale)
 
 
+@pytest.mark.slow
 def test_flow_up_to_a_membrane(operator: CellsOperator) -> None:
     """Continuous across the membrane, no slip at the wall, no divergence, at a ratio of 5."""
     shapes = jnp.asarray(configuration(6))

@@ -136,6 +136,7 @@ def test_what_is_not_there_is_told() -> None:
         presentation("riddle")
 
 
+@pytest.mark.slow
 def test_a_diagnostic_of_ones_own_is_one_file(coarse_base: Base, tmp_path: Path) -> None:
     """Its command, options, messages, file, report, JSON, picture, start and study column."""
     folder = tmp_path / "own"

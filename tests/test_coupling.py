@@ -57,6 +57,7 @@ def test_it_is_what_lies_beside_the_own_surfaces(finer: dict[str, int], toleranc
     assert_allclose(found, expected, rtol=0, atol=tolerance * np.linalg.norm(found))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.01, 5.0, 1000.0])
 def test_it_saves_iterations_and_changes_nothing(
     ratio: float, operator: CellsOperator, coupling: Coupling

@@ -55,6 +55,7 @@ def analysed() -> Callable[[Base, float], Stability]:
     return at_ratio
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1.0, pytest.param(5.0, marks=pytest.mark.slow)])
 def test_the_leading_mode_grows_at_its_rate(analysed, tilting: Base, ratio: float) -> None:
     start = analysed(tilting, ratio)

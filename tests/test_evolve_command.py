@@ -14,6 +14,7 @@ from celltrain.contract.status import ComputationFailed
 from celltrain.evolution import Run, Status
 
 
+@pytest.mark.slow
 def test_the_command_simulates_and_goes_on(coarse_stability, tmp_path: Path, capsys) -> None:
     start, path = tmp_path / "start.nc", tmp_path / "run.nc"
     save(coarse_stability, start)

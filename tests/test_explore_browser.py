@@ -108,6 +108,7 @@ def test_a_page_loads_quietly_and_from_here_alone(browser: Chrome, address: str)
     assert hosts(browser) <= {"127.0.0.1"}
 
 
+@pytest.mark.slow
 def test_a_slider_moves_alpha_to_what_the_command_line_gives(browser: Chrome, address: str) -> None:
     open_page(browser, address)
     before = shown_alpha(browser)
@@ -170,6 +171,7 @@ def test_a_field_takes_what_a_case_allows_and_tells_the_rest(browser: Chrome, ad
     assert "diameter=6.4" in wait_for(browser, "celltrain.explorer.case", "a case")
 
 
+@pytest.mark.slow
 def test_a_click_on_an_eigenvalue_plays_its_mode(browser: Chrome, address: str) -> None:
     open_page(browser, address)
     _click_leading(browser)
@@ -184,6 +186,7 @@ def test_a_click_on_an_eigenvalue_plays_its_mode(browser: Chrome, address: str) 
     assert complaints(browser) == []
 
 
+@pytest.mark.slow
 def test_arrow_keys_go_from_mode_to_mode(browser: Chrome, address: str) -> None:
     open_page(browser, address)
     wait_for(browser, _LARGEST, "the spectrum")
@@ -219,6 +222,7 @@ def test_the_address_reproduces_the_state(browser: Chrome, address: str) -> None
     wait_for(browser, f"location.search === {json.dumps(search)}", "the same address")
 
 
+@pytest.mark.slow
 def test_the_ring_is_around_the_train_that_is_shown(
     browser: Chrome, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -253,6 +257,7 @@ def test_the_ring_is_around_the_train_that_is_shown(
         assert complaints(browser) == []
 
 
+@pytest.mark.slow
 def test_twenty_changes_leave_memory_where_it_was(browser: Chrome, address: str) -> None:
     open_page(browser, address)
 
@@ -310,6 +315,7 @@ def test_the_browser_evaluates_the_same_shapes(browser: Chrome, address: str) ->
         np.testing.assert_allclose(moved, shape @ harmonics.T, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_one_file_plays_without_python_or_network(
     browser: Chrome, tmp_path: Path, coarse_stability: Stability
 ) -> None:

@@ -34,6 +34,7 @@ def computed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_its_result_is_shown_drawn_and_started_from(computed: Path) -> None:
     shown = run("show", "train.nc", folder=computed)
     assert shown.returncode == 0

@@ -71,6 +71,7 @@ def test_trains_and_their_dynamics_do_not_depend_on_the_grading() -> None:
     assert tilts[1] == pytest.approx(tilts[0], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_narrow_tubes_leave_less_out_with_grading() -> None:
     train = Train(diameter=2.2, packing=0.1, cells=1, degree=24)
     base = steady(train, estimate_error=False)

@@ -2,37 +2,56 @@
 
 import subprocess
 import sys
+from collections.abc import Sequence
 
-import pytest
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "celltrain",
-        "celltrain.membrane",
-        "celltrain.steady.parameters",
-        "celltrain.stability",
-        "celltrain.continuation",
-        "celltrain.diagnostics",
-        "celltrain.results",
-        "celltrain.study",
-        "celltrain.pictures",
-        "celltrain.explore.page",
-        "celltrain.evolution",
-        "celltrain.explore.app",
-        "celltrain.explore.engine",
-    ],
+PACKAGES = (
+    "celltrain",
+    "celltrain.membrane",
+    "celltrain.steady.parameters",
+    "celltrain.stability",
+    "celltrain.continuation",
+    "celltrain.diagnostics",
+    "celltrain.results",
+    "celltrain.study",
+    "celltrain.pictures",
+    "celltrain.explore.page",
+    "celltrain.evolution",
+    "celltrain.explore.app",
+    "celltrain.explore.engine",
 )
-def test_no_jax_is_imported(name: str) -> None:
-    program = f"import sys, {name}; assert not {{'jax', 'equinox'}} & set(sys.modules)"
-    subprocess.run([sys.executable, "-c", program], check=True)
+# A name is loaded after another, and the first after which there is too much is told.
+PROGRAM = """
+import sys
+from importlib import import_module
+
+later = set(sys.argv[1].split())
+for name in sys.argv[2:]:
+    package, _, attribute = name.partition(":")
+    module = import_module(package)
+    if attribute:
+        getattr(module, attribute)
+    loaded = later & set(sys.modules)
+    if loaded:
+        sys.exit(f"{name} loads {', '.join(sorted(loaded))}")
+"""
 
 
-@pytest.mark.parametrize("name", ["base", "stability"])
-def test_commands_do_not_wait_for_what_they_may_not_need(name: str) -> None:
+def complaint(names: Sequence[str], *, later: str) -> str:
+    """Which of the names is the first that loads one of the modules `later`; empty if none does."""
+    command = [sys.executable, "-c", PROGRAM, later, *names]
+    return subprocess.run(command, capture_output=True, text=True).stderr.strip()
+
+
+def test_no_jax_is_imported() -> None:
+    assert not complaint(PACKAGES, later="jax equinox")
+
+
+def test_commands_do_not_wait_for_what_they_may_not_need() -> None:
     """Files, pictures and optimisation each take a good part of a second to load."""
-    later = {"xarray", "matplotlib", "scipy.optimize", "scipy.interpolate"}
-    program = f"import sys; from celltrain.cli.computations import {name}"
-    program += f"; assert not {later!r} & set(sys.modules)"
-    subprocess.run([sys.executable, "-c", program], check=True)
+    commands = [f"celltrain.cli.computations:{name}" for name in ("base", "stability")]
+    assert not complaint(commands, later="xarray matplotlib scipy.optimize scipy.interpolate")
+
+
+def test_what_loads_too_much_is_told() -> None:
+    said = complaint(("celltrain.membrane", "celltrain.pictures"), later="jax matplotlib")
+    assert said == "celltrain.pictures loads matplotlib"

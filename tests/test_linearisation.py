@@ -62,6 +62,7 @@ def blocks(base: Base) -> dict[int, np.ndarray]:
     return linear_blocks(base, PHASES, NUMBERS, rules=rules)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wave", range(CELLS))
 def test_blocks_are_those_of_the_full_matrix(
     wave: int, matrix: np.ndarray, blocks: dict[int, np.ndarray]

@@ -87,6 +87,7 @@ def begun(complete: tuple[Path, Sampled], tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_numbers_are_those_of_a_train_from_rest(complete: tuple[Path, Sampled]) -> None:
     study, sampled = sample(), complete[1]
     assert {record.status for record in sampled.records.values()} == {"finished"}

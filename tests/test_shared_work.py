@@ -1,6 +1,5 @@
 """Parts of a loop's work, computed by whichever of XLA's threads takes them."""
 
-import math
 import os
 import subprocess
 import sys
@@ -23,8 +22,6 @@ from celltrain.compiled.call_frame import (
     handler,
     numbers,
     result,
-    set_word,
-    word,
 )
 from celltrain.compiled.loops import CompiledLoop
 from celltrain.compiled.on_host import call_on_host
@@ -38,7 +35,8 @@ from celltrain.compiled.shared_work import (
     task,
 )
 
-MARKING, FAILING = "celltrain_test_marking", "celltrain_test_failing"
+# Where the loops stand: compiled by the first test that wants one.
+LOOPS = "shared_loops"
 PARTS = 97
 
 
@@ -48,6 +46,7 @@ class LoopIntoZeros(CompiledLoop):
 
     def declare(self) -> None:
         name = self.name
+        slot(name)
 
         @handler(name)
         def handle(frame: int) -> int:
@@ -56,66 +55,9 @@ class LoopIntoZeros(CompiledLoop):
             return share(frame, slot_of(name))
 
 
-COUNTING = LoopIntoZeros("celltrain_test_counting", __name__, (FLOATS,))
-SEEING = LoopIntoZeros("celltrain_test_seeing", __name__, (FLOATS,))
-DIVIDING = CompiledLoop("celltrain_test_dividing", __name__, (FLOATS,))
-
-
-#: Words of the work: the frame, the loop, who computes, whether it is closed, who holds it.
-FRAME, LOOP, COMPUTING, CLOSED, HOLDERS, WORDS = 0, 1, 3, 4, 5, 6
-
-
-@task(COUNTING.name)
-def _count(work: int) -> int:
-    frame = frame_of(work)
-    given, found = numbers(frame, 0), result(frame)
-    part = next_part(work)
-    while part < found.size:
-        value = given[part % given.size]
-        for _ in range(2000):
-            value = math.cos(value)
-        found[part] += 1.0 + 0.0 * value
-        part = next_part(work)
-    return 1
-
-
-@task(MARKING)
-def _mark(work: int) -> int:
-    set_word(frame_of(work), 1)
-    return 1
-
-
-@task(SEEING.name)
-def _see(work: int) -> int:
-    found = result(frame_of(work))
-    part = next_part(work)
-    while part < found.size:
-        for _ in range(2000):
-            now = word(work + 8 * COMPUTING)
-            if now > found[part]:
-                found[part] = now
-        part = next_part(work)
-    return 1
-
-
-@task(DIVIDING.name)
-def _divide(work: int) -> int:
-    frame = frame_of(work)
-    given, found = numbers(frame, 0), result(frame)
-    part = next_part(work)
-    while part < found.size:
-        found[part] = 1.0 / given[part]
-        part = next_part(work)
-    return 1
-
-
-@task(FAILING)
-def _fail(work: int) -> int:
-    given = numbers(frame_of(work), 0)
-    if given[0] < 0.0:
-        raise ValueError("negative")
-    result(frame_of(work))[:] = given
-    return 1
+COUNTING = LoopIntoZeros("celltrain_test_counting", LOOPS, (FLOATS,))
+SEEING = LoopIntoZeros("celltrain_test_seeing", LOOPS, (FLOATS,))
+DIVIDING = CompiledLoop("celltrain_test_dividing", LOOPS, (FLOATS,))
 
 
 @jax.jit
@@ -138,8 +80,10 @@ def test_every_part_once() -> None:
 @pytest.mark.parametrize("closed", [False, True])
 def test_nothing_is_computed_of_closed_work(closed: bool) -> None:
     """Nor is it looked at what the frame was; the thread lets the work go all the same."""
+    from shared_loops import CLOSED, COMPUTING, FRAME, HOLDERS, LOOP, WORDS, mark
+
     frame, work = np.zeros(1, dtype=int), np.zeros(WORDS, dtype=int)
-    work[[FRAME, LOOP, CLOSED, HOLDERS]] = frame.ctypes.data, _mark.address, closed, 3
+    work[[FRAME, LOOP, CLOSED, HOLDERS]] = frame.ctypes.data, mark.address, closed, 3
     help_with.ctypes(work.ctypes.data)
     assert frame[0] == (not closed)
     assert (work[COMPUTING], work[HOLDERS]) == (0, 2)
@@ -161,13 +105,13 @@ def test_called_by_python() -> None:
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_loop_that_fails_gives_no_numbers() -> None:
-    failing = CompiledLoop(FAILING, __name__, (FLOATS,))
+    failing = CompiledLoop("celltrain_test_failing", LOOPS, (FLOATS,))
     values = np.array([1.0, 2.0])
     program = jax.jit(lambda given: loop(failing, (2,), given))
     np.testing.assert_array_equal(program(values), values)
     np.testing.assert_array_equal(program(-values), [np.nan, np.nan])
     np.testing.assert_array_equal(call_on_host(failing, (2,), values), values)
-    with pytest.raises(RuntimeError, match=f"{FAILING} failed"):
+    with pytest.raises(RuntimeError, match="celltrain_test_failing failed"):
         call_on_host(failing, (2,), -values)
 
 
@@ -240,7 +184,7 @@ assert (counted(np.arange(3.0)) == 1.0).all()
     done = subprocess.run(
         [sys.executable, "-c", program],
         cwd=Path(__file__).parents[1],
-        env=os.environ | {"NPROC": "1"},
+        env=os.environ | {"NPROC": "1", "PYTHONPATH": os.pathsep.join(sys.path)},
         capture_output=True,
         text=True,
         check=False,

@@ -67,6 +67,7 @@ def skewed() -> np.ndarray:
     return shapes
 
 
+@pytest.mark.slow
 def test_ratio_one_is_the_limit(operator: CellsOperator, skewed: np.ndarray) -> None:
     shapes = jnp.asarray(skewed)
     expected = rates(train_operator(TRAIN, cells=CELLS), shapes)
@@ -117,6 +118,7 @@ def test_train_of_rigid_spheres_is_the_limit() -> None:
     assert_allclose(limit, [1.6789619, 1.0323471], rtol=2e-7)
 
 
+@pytest.mark.slow
 def test_derivative_of_the_rates(operator: CellsOperator, skewed: np.ndarray) -> None:
     step = np.random.default_rng(2).normal(size=skewed.shape) * (np.arange(DEGREE**2) < 16)
     shapes, along = jnp.asarray(skewed), jnp.asarray(step)
@@ -148,6 +150,7 @@ def test_steady_train_does_not_depend_on_the_ratio(
     assert_allclose(found, 0.0, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_blocks_are_the_derivative_of_the_rates(
     viscous_base: Base, operator: CellsOperator
 ) -> None:

@@ -93,6 +93,7 @@ def moved_to(distance: float, base: Base, path: Path) -> FromFile:
     return FromFile(path)
 
 
+@pytest.mark.slow
 def test_a_cell_near_the_wall_refines_it(single: Base, tmp_path: Path) -> None:
     disturbance = moved_to(0.35, single, tmp_path / "moved.npy")
     path = tmp_path / "run.nc"
