@@ -3,6 +3,10 @@
 import subprocess
 import sys
 from collections.abc import Sequence
+from pathlib import Path
+
+from celltrain.contract import load
+from celltrain.results import save
 
 PACKAGES = (
     "celltrain",
@@ -50,6 +54,16 @@ def test_commands_do_not_wait_for_what_they_may_not_need() -> None:
     """Files, pictures and optimisation each take a good part of a second to load."""
     commands = [f"celltrain.cli.computations:{name}" for name in ("base", "stability")]
     assert not complaint(commands, later="xarray matplotlib scipy.optimize scipy.interpolate")
+
+
+def test_files_do_not_wait_for_xarray(make_stability, tmp_path: Path) -> None:
+    """It takes most of a second until it has written the first file."""
+    result = make_stability()
+    old, new = save(result, tmp_path / "old.nc"), tmp_path / "new.nc"
+    program = "import sys; sys.modules['xarray'] = sys.modules['pandas'] = None;"
+    program += "from celltrain import load, save; save(load(sys.argv[1]), sys.argv[2])"
+    subprocess.run([sys.executable, "-c", program, old, new], check=True)
+    assert load(new) == result
 
 
 def test_what_loads_too_much_is_told() -> None:

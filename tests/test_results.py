@@ -154,7 +154,7 @@ def test_what_is_kept_by_a_quantitys_name_is_a_variable_with_its_meaning() -> No
     named = Named({"eps": np.array([0.1, 0.2]), "other": np.zeros(2)})
     found = to_variables(named)
     assert set(found) == {"columns_key", "columns_eps", "columns_other"}
-    assert found["columns_eps"].attrs == {"long_name": "growth", "units": "r0", "symbol": "e"}
+    assert found["columns_eps"].attributes == {"long_name": "growth", "units": "r0", "symbol": "e"}
     assert_identical(from_variables(Named, found), named)
 
 

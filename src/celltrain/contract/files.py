@@ -19,16 +19,16 @@ def load(path: str | Path) -> Record:
         OSError: if the file cannot be read, or is of another version that this one cannot read.
         ForeignFile: a `ValueError`, if it is not a file of this package.
     """
-    # What files need takes half a second to load.
-    from celltrain.results.netcdf import ForeignFile, read_as, read_dataset
+    # Commands that read no file do not wait for this.
+    from celltrain.results.netcdf import ForeignFile, read_as, read_content
 
-    data = read_dataset(path)
-    kind = str(data.attrs["kind"])
+    content = read_content(path)
+    kind = str(content.attributes["kind"])
     if kind not in kinds():
         raise ForeignFile(
             f"{str(path)!r} holds a result of the kind {kind!r}; known are: {', '.join(kinds())}"
         )
-    return read_as(presentation(kind).result, data, path)
+    return read_as(presentation(kind).result, content, path)
 
 
 def show(result: Record, console: Console | None = None) -> None:

@@ -22,7 +22,7 @@ from celltrain.evolution.start import at_degree
 from celltrain.evolution.wall_resolution import LARGEST, followed
 from celltrain.membrane import place_cells
 from celltrain.parameters import CaseError, Train
-from celltrain.results import only_writer, prepare, remove_leftovers
+from celltrain.results import only_writer, remove_leftovers
 from celltrain.stability import Stability
 from celltrain.steady import Base
 
@@ -94,9 +94,6 @@ def evolve(
         _check_steady(dynamics, film)
         method = Automatic() if integrator is None else integrator
         shapes = place_cells(base.coefficients, train, train.cells) + change
-        if place is not None:
-            # While XLA computes.
-            prepare()
         settled = dynamics.settle(shapes)
         met = dynamics.overlaps(settled.shapes)
         if met:

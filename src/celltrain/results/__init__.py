@@ -1,6 +1,7 @@
 """Results in files and as plain numbers: any dataclass whose fields say what they are.
 
-What files need takes half a second to load: it is imported when it is asked for.
+What files need is imported when it is asked for, and xarray, which takes half a second to load,
+only with its data sets.
 """
 
 from typing import TYPE_CHECKING
@@ -8,19 +9,11 @@ from typing import TYPE_CHECKING
 from celltrain.later import imported_later
 from celltrain.results.lock import only_writer
 from celltrain.results.plain import Plain, plain, summary
-from celltrain.results.prepare import prepare
 from celltrain.results.replace import remove_leftovers, replace_file
 
 if TYPE_CHECKING:
-    from celltrain.results.netcdf import (
-        ForeignFile,
-        from_dataset,
-        read,
-        read_dataset,
-        save,
-        to_dataset,
-        write_dataset,
-    )
+    from celltrain.results.labelled import from_dataset, read_dataset, to_dataset, write_dataset
+    from celltrain.results.netcdf import ForeignFile, read, save
 
 __all__ = [
     "ForeignFile",
@@ -28,7 +21,6 @@ __all__ = [
     "from_dataset",
     "only_writer",
     "plain",
-    "prepare",
     "read",
     "read_dataset",
     "remove_leftovers",
@@ -42,14 +34,7 @@ __all__ = [
 __getattr__ = imported_later(
     __name__,
     {
-        "netcdf": (
-            "ForeignFile",
-            "from_dataset",
-            "read",
-            "read_dataset",
-            "save",
-            "to_dataset",
-            "write_dataset",
-        )
+        "labelled": ("from_dataset", "read_dataset", "to_dataset", "write_dataset"),
+        "netcdf": ("ForeignFile", "read", "save"),
     },
 )

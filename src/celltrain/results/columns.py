@@ -20,11 +20,11 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
 import jaxtyping
 import numpy as np
-import xarray as xr
 
 from celltrain.parameters import Train, merge_case
 from celltrain.quantities import Quantity
 from celltrain.quantities.fields import hints, split
+from celltrain.results.content import Variable
 
 Result = TypeVar("Result")
 
@@ -45,15 +45,15 @@ def _case(text: str) -> Train:
     return merge_case(tomllib.loads(text), {"unusual": True})
 
 
-#: Variables by name: a data set, or what `to_variables` returns.
-Data = xr.Dataset | Mapping[str, xr.Variable]
+#: Variables by name.
+Data = Mapping[str, Variable]
 
 
 @dataclass
 class _Written:
     """The variables so far, and the lengths of their dimensions."""
 
-    variables: dict[str, xr.Variable] = field(default_factory=dict)
+    variables: dict[str, Variable] = field(default_factory=dict)
     lengths: dict[str, int] = field(default_factory=dict)
 
     def add(self, name: str, dims: Sequence[str], values: Any, meaning: Quantity | None) -> None:
@@ -70,7 +70,7 @@ class _Written:
     def _enter(self, name: str, dims: tuple[str, ...], values: Any, notes: Any) -> None:
         if name in self.variables:
             raise ValueError(f"two fields of a result have the name {name!r} in files")
-        self.variables[name] = xr.Variable(dims, values, notes)
+        self.variables[name] = Variable(dims, values, notes)
 
     def _free(self, name: str, dims: Sequence[str], values: np.ndarray) -> tuple[str, ...]:
         found: list[str] = []
@@ -85,7 +85,7 @@ class _Written:
         return tuple(found)
 
 
-def to_variables(result: object) -> dict[str, xr.Variable]:
+def to_variables(result: object) -> dict[str, Variable]:
     """The variables of a result, which is a dataclass.
 
     Raises:
@@ -260,7 +260,7 @@ def _values(data: Data, name: str, *, complex_: bool) -> np.ndarray:
         found: np.ndarray = data[name].values
         return found
     # Arithmetic with 1j would lose the signs of zeros.
-    whole = np.empty(data[f"{name}_real"].shape, dtype=complex)
+    whole = np.empty(data[f"{name}_real"].values.shape, dtype=complex)
     whole.real, whole.imag = data[f"{name}_real"].values, data[f"{name}_imag"].values
     return whole
 
