@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from netCDF4 import default_fillvals
 
 from celltrain.results import read_dataset, write_dataset
 from celltrain.results.content import FileContent, Variable, from_bytes, to_bytes
@@ -72,6 +73,17 @@ def test_what_xarray_writes_is_read() -> None:
     check(from_bytes(bytes(written)))
 
 
+def test_every_number_is_meant() -> None:
+    """Those by which netCDF fills what is not written, too, and whatever attributes say."""
+    for name in ("f8", "f4", "i8", "i4", "i1"):
+        values = np.array([default_fillvals[name], 1.0, 7.0]).astype(name)
+        notes = {"scale_factor": 2.0, "add_offset": 1.0, "missing_value": values[1]}
+        content = FileContent({"filled": Variable(("n",), values, notes)}, {})
+        found = from_bytes(to_bytes(content)).variables["filled"].values
+        assert type(found) is np.ndarray
+        np.testing.assert_array_equal(found, values)
+
+
 @pytest.mark.parametrize(
     "values", [np.zeros(2, complex), np.array([1, None]), np.array(["2026-01-01"], "datetime64[D]")]
 )
@@ -93,6 +105,8 @@ def test_coordinates_stay_coordinates(tmp_path: Path) -> None:
     coordinates = {
         "phi": ("phi", [0.1, 0.2], {"long_name": "packing"}),
         "label": ("phi", ["low", "high"]),
+        # No date is made of it.
+        "age": ("phi", [1.0, 2.0], {"units": "seconds since 2000-01-01"}),
         "diameter": 6.0,
     }
     data = xr.Dataset(
@@ -101,7 +115,7 @@ def test_coordinates_stay_coordinates(tmp_path: Path) -> None:
         {"kind": "figure", "celltrain_version": "0", "form": 2},
     )
     assert read_dataset(write_dataset(data, tmp_path / "data.nc")).identical(data)
-    with xr.open_dataset(tmp_path / "data.nc", engine="netcdf4") as found:
+    with xr.open_dataset(tmp_path / "data.nc", engine="netcdf4", decode_times=False) as found:
         assert data.identical(found.load())
 
 
