@@ -49,7 +49,11 @@ class _Arnoldi(eqx.Module):
 
 
 def gmres(
-    operator: Operator, right: Float[Array, "..."], *, tolerance: float, iterations: int
+    operator: Operator,
+    right: Float[Array, "..."],
+    *,
+    tolerance: float | Float[Array, ""],
+    iterations: int,
 ) -> tuple[Float[Array, "..."], Iterations]:
     """Solution x of A x = b, starting from 0.
 
@@ -69,7 +73,7 @@ def gmres(
 
 
 def _solve(
-    operator: Operator, right: Array, tolerance: float, iterations: int
+    operator: Operator, right: Array, tolerance: float | Float[Array, ""], iterations: int
 ) -> tuple[Array, Iterations]:
     flat = right.ravel()
     scale = jnp.linalg.norm(flat)

@@ -85,7 +85,7 @@ class InteriorFlow(eqx.Module):
         free_rates: Motions,
         *,
         coupling: tuple[Coupling, Bool[Array, ""]] | None = None,
-        tolerance: float,
+        tolerance: Float[Array, ""],
         iterations: int,
     ) -> tuple[Motions, Iterations]:
         """The motion u for the given b.

@@ -66,7 +66,7 @@ class CellsOperator(eqx.Module):
     target_grid: SphereGrid
     viscosity_ratio: Float[Array, ""] | None
     coupling: Coupling | None
-    solver_tolerance: float = eqx.field(static=True)
+    solver_tolerance: Float[Array, ""]
 
     def rates(self, shapes: JaxShapes, added: JaxShapes | None = None) -> JaxShapes:
         """v(s) = ds/dt, in U; NaN if the flow inside the cells could not be solved for.
@@ -349,5 +349,5 @@ def cells_operator(
         target_grid=target_grid,
         viscosity_ratio=None if viscosity_ratio == 1.0 else constant(float(viscosity_ratio)),
         coupling=coupling,
-        solver_tolerance=SOLVER_TOLERANCE * resolution.tolerance,
+        solver_tolerance=constant(SOLVER_TOLERANCE * resolution.tolerance),
     )
