@@ -64,7 +64,7 @@ def bullet(degree: int) -> np.ndarray:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with slow tests come first: the last ones of a process leave others with nothing."""
+    """Files with slow tests come first: a long one at the end would keep one process alone busy."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(key=lambda item: item.path not in slow)
 

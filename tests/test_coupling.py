@@ -71,7 +71,9 @@ def test_it_saves_iterations_and_changes_nothing(
     saved = 0
     for size in (0.003, 0.02, 0.12):
         shapes = coupling.steady + size * change
-        expected, _ = solved(exact, shapes)
+        expected, convergence = solved(exact, shapes)
+        assert convergence is not None
+        assert convergence.residual <= exact.solver_tolerance
         largest = 4.0 * operator.solver_tolerance * np.linalg.norm(expected)
         counts = []
         for each in (operator, better):

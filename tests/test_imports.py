@@ -43,7 +43,8 @@ for name in sys.argv[2:]:
 def complaint(names: Sequence[str], *, later: str) -> str:
     """Which of the names is the first that loads one of the modules `later`; empty if none does."""
     command = [sys.executable, "-c", PROGRAM, later, *names]
-    return subprocess.run(command, capture_output=True, text=True).stderr.strip()
+    done = subprocess.run(command, capture_output=True, text=True)
+    return done.stderr.strip() or f"ended with {done.returncode}" if done.returncode else ""
 
 
 def test_no_jax_is_imported() -> None:
@@ -69,3 +70,9 @@ def test_files_do_not_wait_for_xarray(make_stability, tmp_path: Path) -> None:
 def test_what_loads_too_much_is_told() -> None:
     said = complaint(("celltrain.membrane", "celltrain.pictures"), later="jax matplotlib")
     assert said == "celltrain.pictures loads matplotlib"
+
+
+def test_a_process_that_dies_is_no_good_answer(tmp_path: Path, monkeypatch) -> None:
+    (tmp_path / "deadly.py").write_text("import os; os.kill(os.getpid(), 9)")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    assert complaint(("deadly",), later="jax") == "ended with -9"

@@ -1,7 +1,7 @@
 """Results in files and as plain numbers: any dataclass whose fields say what they are.
 
-What files need is imported when it is asked for, and xarray, which takes half a second to load,
-only with its data sets.
+What files need is imported when it is asked for, and xarray, which takes long to load, only with
+its data sets.
 """
 
 from typing import TYPE_CHECKING

@@ -2,7 +2,7 @@
 
 It is written as xarray writes it, so that `xarray.open_dataset` gives it back: texts as netCDF's
 strings, truth values as bytes that say so, no fill values. xarray itself takes the better part of a
-second to load, which is most of what a small file costs.
+second until it has written its first file, which commands with small files would wait for.
 """
 
 from collections.abc import Mapping

@@ -19,7 +19,7 @@ from celltrain.results.netcdf import (
 )
 
 Result = TypeVar("Result", bound=Record)
-Some = TypeVar("Some", bound="Labelled")
+LabelledResult = TypeVar("LabelledResult", bound="Labelled")
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class Labelled(OwnContent):
         return _content(self.data)
 
     @classmethod
-    def of_content(cls: type[Some], content: FileContent) -> Some:
+    def of_content(cls: type[LabelledResult], content: FileContent) -> LabelledResult:
         """The data set, without what files say of themselves."""
         data = _dataset(content)
         kept = {name: each for name, each in data.attrs.items() if name not in HEADER}

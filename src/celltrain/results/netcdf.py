@@ -64,7 +64,7 @@ def result_of(kind: type[Result], content: FileContent) -> Result:
         ForeignFile: if it holds none of this kind.
         OSError: if it is of another version that this one cannot read.
     """
-    with reading(content):
+    with _reading(content):
         found = content.attributes.get("kind", "nothing")
         if found != kind.kind:
             raise ForeignFile(f"it holds no {kind.kind}, but: {found}")
@@ -139,7 +139,7 @@ def read_as(kind: type[Result], content: FileContent, path: str | Path) -> Resul
 
 
 @contextmanager
-def reading(content: FileContent) -> Iterator[None]:
+def _reading(content: FileContent) -> Iterator[None]:
     """Say of a file that cannot be read as it is which version wrote it.
 
     Raises:
