@@ -53,8 +53,10 @@ def to_bytes(content: FileContent) -> bytes:
         file = netCDF4.Dataset("content", mode="w", memory=1, format="NETCDF4")
         try:
             file.setncatts(content.attributes)
-            for name, variable in content.variables.items():
-                _write(file, name, variable)
+            # Values after all definitions: HDF5 takes twice the time to change between them.
+            defined = [_define(file, *each) for each in content.variables.items()]
+            for variable, values in defined:
+                variable[...] = values
         except BaseException:
             file.close()
             raise
@@ -74,7 +76,10 @@ def from_bytes(data: bytes) -> FileContent:
         return FileContent(variables, _attributes(file))
 
 
-def _write(file: netCDF4.Dataset, name: str, variable: Variable) -> None:
+def _define(
+    file: netCDF4.Dataset, name: str, variable: Variable
+) -> tuple[netCDF4.Variable, np.ndarray]:
+    """A variable of a file, and the values that are to be written to it."""
     values, notes = np.asarray(variable.values), dict(variable.attributes)
     kind: Any = values.dtype
     if kind.kind in "UO":
@@ -92,7 +97,7 @@ def _write(file: netCDF4.Dataset, name: str, variable: Variable) -> None:
     made = file.createVariable(name, kind, variable.dims)
     made.set_auto_maskandscale(False)
     made.setncatts(notes)
-    made[...] = values
+    return made, values
 
 
 def _texts(name: str, values: np.ndarray) -> np.ndarray:
