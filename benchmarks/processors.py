@@ -5,7 +5,7 @@
 Prints for each number of cells and each platform (processors, and graphics processors if there are
 any, with their names) the seconds of one evaluation, those of the first beyond that (compiling),
 and how far its rates are from those of the first platform. `--without-loops` adds, on processors,
-the formulas and transforms that other platforms use: their code, where there is no such platform.
+the formulas that other platforms use: their code, where there is no such platform.
 Trains as in `operator_stages.py`: D = 6 r0, packing 0.2, degree 12, every cell disturbed.
 """
 
@@ -25,11 +25,10 @@ from rich.table import Table
 
 from celltrain import Train, steady
 from celltrain.compiled import dispatch
-from celltrain.flow import nonuniform
 from celltrain.membrane import place_cells
 from celltrain.train import train_operator
 
-LOOPS, BUILT = dispatch.LOOPS_SERVE, nonuniform.BUILT
+LOOPS = dispatch.LOOPS_SERVE
 TRAIN = Train(diameter=6, packing=0.2, cells=8, degree=12)
 # Size of the disturbance (r0) that makes the shapes of the train different from each other.
 DISTURBANCE = 0.01
@@ -59,7 +58,7 @@ class Place:
 
     def evaluation(self, cells: int) -> Callable[[], jax.Array]:
         """One evaluation of a train of so many cells."""
-        dispatch.LOOPS_SERVE, nonuniform.BUILT = (LOOPS, BUILT) if self.loops else (False, ())
+        dispatch.LOOPS_SERVE = LOOPS and self.loops
         with jax.default_device(self.device):
             operator = train_operator(TRAIN.changed(cells=cells), cells=cells)
             arrays, rest = eqx.partition(operator, eqx.is_array)

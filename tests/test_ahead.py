@@ -75,6 +75,8 @@ def test_what_is_kept_is_left_out(processes: Processes) -> None:
             "celltrain_own_forces",
             "celltrain_own_double_layer",
             "celltrain_close_forces",
+            "celltrain_spread",
+            "celltrain_interpolate",
             "celltrain_facing",
         ]
     ]

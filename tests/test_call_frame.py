@@ -12,13 +12,20 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from celltrain import programs, runtime
-from celltrain.compiled import LOOPS_SERVE, loop
+from celltrain import programs
+from celltrain.compiled import LOOPS_SERVE, dispatch, loop
 from celltrain.compiled.call_frame import differences
 from celltrain.compiled.header import HEADER, Header
-from celltrain.compiled.loops import FORCE_PAIRS, OWN_FORCES, STRESSLET_PAIRS
+from celltrain.compiled.loops import (
+    FORCE_PAIRS,
+    INTERPOLATE,
+    OWN_FORCES,
+    SPREAD,
+    STRESSLET_PAIRS,
+)
 from celltrain.flow import OwnSurfaceRule, own_surface_rule
 from celltrain.flow.near import NearPairs, pair_sums
+from celltrain.flow.nonuniform import modes_to_points, points_to_modes
 from celltrain.flow.own_surface import own_velocity
 from celltrain.proximity.close_pairs import LeftOut
 
@@ -46,6 +53,12 @@ def inputs() -> tuple[tuple[jax.Array | NearPairs, ...], OnSurface]:
     targets, longitudes, shapes, forces = (jnp.asarray(random.normal(size=each)) for each in sizes)
     on_surface = rule, targets, longitudes, shapes, forces
     return (*points, jnp.asarray(2.0), pairs), on_surface
+
+
+def there_and_back(angles: jax.Array, values: jax.Array) -> jax.Array:
+    """Values at points to modes, and back to values there."""
+    angles, values = angles.reshape(-1, 3), values.reshape(-1, 3)
+    return modes_to_points(points_to_modes((1, 1, 1), values, angles, 1e-3), angles, 1e-3)
 
 
 def sums() -> Arrays:
@@ -169,11 +182,12 @@ numpy.savez({str(tmp_path / "sums.npz")!r}, *here["sums"]())
 @pytest.mark.parametrize("platform", ["cuda", "rocm", "tpu"])
 def test_other_platforms_get_formulas(platform: str, monkeypatch: pytest.MonkeyPatch) -> None:
     # As where there is another platform beside the processors.
-    monkeypatch.setattr(runtime, "only_processors", lambda: False)
+    monkeypatch.setattr(dispatch, "only_processors", lambda: False)
     by_pairs, on_surface = inputs()
-    for function, given, loops in (
-        (by_near_pairs, by_pairs, (FORCE_PAIRS, STRESSLET_PAIRS)),
-        (own_velocity, on_surface, (OWN_FORCES,)),
+    for function, given, loops, formula in (
+        (by_near_pairs, by_pairs, (FORCE_PAIRS, STRESSLET_PAIRS), "stablehlo.rsqrt"),
+        (own_velocity, on_surface, (OWN_FORCES,), "stablehlo.rsqrt"),
+        (there_and_back, by_pairs[1:3], (SPREAD, INTERPOLATE), "stablehlo.scatter"),
     ):
         # Of its own, or what another test has traced would be taken.
         traced = jax.jit(partial(function)).trace(*given)
@@ -185,8 +199,8 @@ def test_other_platforms_get_formulas(platform: str, monkeypatch: pytest.MonkeyP
         assert programs._called_in(here) == {each.name for each in loops}
         assert programs._called_in(there) == set()
         # What is not taken is not computed, either: the loop stands for the whole formula.
-        assert "stablehlo.rsqrt" in there
-        assert "stablehlo.rsqrt" not in here
+        assert formula in there
+        assert formula not in here
 
 
 def test_no_choice_is_left_to_the_program() -> None:

@@ -1,6 +1,6 @@
-"""Transforms between points and modes, with FINUFFT and without, against sums term by term."""
+"""Transforms between points and modes, with compiled loops and without, against sums by terms."""
 
-from collections.abc import Callable
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -9,86 +9,187 @@ import pytest
 from jaxtyping import Array
 from numpy.testing import assert_allclose
 
-from celltrain.flow import nonuniform
+from celltrain.compiled import dispatch
+from celltrain.flow import spreading
 from celltrain.flow.nonuniform import (
+    Largest,
     modes_to_points,
-    plain_modes_to_points,
-    plain_points_to_modes,
+    numbers_of_modes,
     points_to_modes,
 )
+from celltrain.flow.spreading import Places, interpolate, kernel_places, spread
 from celltrain.flow.transform import Transform
 from celltrain.flow.wall import tube_wall
 
-#: Odd and even numbers of modes, and few of them beside the kernel's width.
-SHAPE = (9, 12, 5)
-POINTS = 60
-TOLERANCES = (1e-4, 1e-8, 1e-12)
+#: In a plane and in a box, some with few modes beside the kernel's width.
+LARGEST = ((5, 7), (1, 60), (4, 6, 3), (2, 2, 40))
+POINTS, FIELDS = 60, 3
+TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)
 
 
-def angles() -> tuple[Array, Array, Array]:
-    x, y, z = np.random.default_rng(1).uniform(-np.pi, np.pi, (3, POINTS))
-    x[0], y[0], z[0] = -np.pi, 0.0, np.pi  # on grid points, and at the ends
-    return jnp.asarray(x), jnp.asarray(y), jnp.asarray(z)
+@pytest.fixture(params=["compiled", "plain"])
+def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Both ways of the sums; functions are traced anew for each."""
+    if request.param == "plain":
+        monkeypatch.setattr(dispatch, "LOOPS_SERVE", False)
+    return str(request.param)
 
 
-def numbers(*shape: int) -> np.ndarray:
+def angles(axes: int) -> np.ndarray:
+    """Points [point, axis], some on grid points, at the ends, and turns away."""
+    found = np.random.default_rng(1).uniform(-np.pi, np.pi, (POINTS, axes))
+    found[:4] = np.array([-np.pi, 0.0, np.pi, 2.0 * np.pi])[:, None]
+    found[4:9] += 2.0 * np.pi * np.arange(-2, 3)[:, None]
+    return found
+
+
+def resolved(largest: Largest, tolerance: float) -> np.ndarray:
+    """Factors of the modes that leave the tolerance at the largest along each axis."""
+    parts = (
+        np.exp(np.log(tolerance) * (numbers / most) ** 2)
+        for numbers, most in zip(numbers_of_modes(largest), largest, strict=True)
+    )
+    return np.prod(np.broadcast_arrays(*parts), axis=0)
+
+
+def waves(largest: Largest) -> np.ndarray:
+    """The factors exp(i k . x) [point, *number]."""
+    found = np.ones((POINTS, *(1,) * len(largest)))
+    for numbers, along in zip(numbers_of_modes(largest), angles(len(largest)).T, strict=True):
+        found = found * np.exp(1j * along.reshape(-1, *(1,) * len(largest)) * numbers)
+    return found
+
+
+def some_modes(largest: Largest, tolerance: float) -> np.ndarray:
     draw = np.random.default_rng(2)
-    return draw.normal(size=shape) + 1j * draw.normal(size=shape)
+    factors = resolved(largest, tolerance)
+    parts = draw.normal(size=(2, FIELDS, *factors.shape))
+    return (parts[0] + 1j * parts[1]) * factors
 
 
-def waves(sign: int) -> np.ndarray:
-    """The factors exp(sign i k . x) [x, y, z, point]."""
-    along = [
-        np.exp(sign * 1j * np.outer(np.arange(count) - count // 2, each))
-        for count, each in zip(SHAPE, angles(), strict=True)
-    ]
-    return np.einsum("xs,ys,zs->xyzs", *along)
+def some_values() -> np.ndarray:
+    return np.random.default_rng(3).normal(size=(POINTS, FIELDS))
 
 
-def relative(found: Array, exact: np.ndarray) -> float:
-    return float(np.linalg.norm(np.asarray(found) - exact) / np.linalg.norm(exact))
-
-
-@pytest.mark.parametrize("tolerance", TOLERANCES)
-@pytest.mark.parametrize("transformed", [points_to_modes, plain_points_to_modes])
-def test_points_to_modes(transformed: Callable[..., Array], tolerance: float) -> None:
-    values = numbers(2, POINTS)
-    exact = np.einsum("as,xyzs->axyz", values, waves(-1))
-    found = transformed(SHAPE, jnp.asarray(values), angles(), tolerance)
-    assert relative(found, exact) < tolerance
+def sum_of(modes: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """Fields [point, field] by terms; modes that are left out are conjugates."""
+    twice = np.where(np.arange(modes.shape[-1]), 2.0, 1.0)
+    flat = (modes * twice).reshape(FIELDS, -1)
+    found: np.ndarray = (factors.reshape(POINTS, -1) @ flat.T).real
+    return found
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-@pytest.mark.parametrize("transformed", [modes_to_points, plain_modes_to_points])
-def test_modes_to_points(transformed: Callable[..., Array], tolerance: float) -> None:
-    modes = numbers(2, *SHAPE)
-    exact = np.einsum("axyz,xyzs->as", modes, waves(1))
-    assert relative(transformed(jnp.asarray(modes), angles(), tolerance), exact) < tolerance
+@pytest.mark.parametrize("largest", LARGEST)
+@pytest.mark.usefixtures("way")
+def test_points_to_modes(largest: Largest, tolerance: float) -> None:
+    factors = resolved(largest, tolerance)
+    exact = np.einsum("sf,s...->f...", some_values(), waves(largest).conj())
+    found = points_to_modes(
+        largest, jnp.asarray(some_values()), jnp.asarray(angles(len(largest))), tolerance
+    )
+    assert np.abs((found - exact) * factors).max() < tolerance * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+@pytest.mark.parametrize("largest", LARGEST)
+@pytest.mark.usefixtures("way")
+def test_modes_to_points(largest: Largest, tolerance: float) -> None:
+    modes = some_modes(largest, tolerance)
+    exact = sum_of(modes, waves(largest))
+    found = modes_to_points(jnp.asarray(modes), jnp.asarray(angles(len(largest))), tolerance)
+    assert np.abs(found - exact).max() < tolerance * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("largest", LARGEST)
+def test_derivatives_are_sums_of_derivatives(largest: Largest) -> None:
+    tolerance, axes = 1e-9, len(largest)
+    where, factors = jnp.asarray(angles(axes)), waves(largest)
+    draw = np.random.default_rng(4)
+    moved = draw.normal(size=(POINTS, axes))
+    values, d_values = some_values(), draw.normal(size=(POINTS, FIELDS))
+    modes, d_modes = some_modes(largest, tolerance), some_modes(largest, tolerance)[::-1]
+    along = sum(
+        each.reshape(-1, *(1,) * axes) * numbers
+        for each, numbers in zip(moved.T, numbers_of_modes(largest), strict=True)
+    )
+
+    forth = partial(points_to_modes, largest, tolerance=tolerance)
+    _, change = jax.jvp(
+        lambda values, where: forth(values, where),
+        (jnp.asarray(values), where),
+        (jnp.asarray(d_values), jnp.asarray(moved)),
+    )
+    exact = np.einsum("sf,s...->f...", d_values, factors.conj())
+    exact = exact - 1j * np.einsum("sf,s...->f...", values, along * factors.conj())
+    error = np.abs((change - exact) * resolved(largest, tolerance)).max()
+    assert error < tolerance * np.abs(exact).max()
+
+    _, change = jax.jvp(
+        lambda modes, where: modes_to_points(modes, where, tolerance),
+        (jnp.asarray(modes), where),
+        (jnp.asarray(d_modes), jnp.asarray(moved)),
+    )
+    exact = sum_of(d_modes, factors) + sum_of(modes, 1j * along * factors)
+    assert np.abs(change - exact).max() < tolerance * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("sizes", [(15, 24), (16, 15, 14), (14, 14, 75), (14, 14, 2400)])
+def test_both_ways_are_the_same_sums(
+    sizes: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On grids of one slab, of several, and of as many as there may be; fields are of all sizes."""
+    places = kernel_places(jnp.asarray(angles(len(sizes))), sizes, 7)
+    values = jnp.asarray(some_values())
+    grid = spread(values, places, sizes)
+    found = interpolate(grid, places)
+    with monkeypatch.context() as patch:
+        patch.setattr(dispatch, "LOOPS_SERVE", False)
+        assert_allclose(spread(values, places, sizes), grid, rtol=0, atol=1e-13)
+        assert_allclose(interpolate(grid, places), found, rtol=1e-12, atol=1e-13)
+    # One is the other's transpose.
+    other = jnp.asarray(np.random.default_rng(5).normal(size=grid.shape))
+    assert_allclose(jnp.vdot(grid, other), jnp.vdot(values, interpolate(other, places)), rtol=1e-12)
 
 
 def test_batches_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Points that do not fill the last batch, and a batch for each point."""
-    values, modes = jnp.asarray(numbers(2, POINTS)), jnp.asarray(numbers(2, *SHAPE))
+    sizes = (14, 15, 16)
+    places = kernel_places(jnp.asarray(angles(3)), sizes, 7)
+    values = jnp.asarray(some_values())
 
     def both() -> tuple[Array, Array]:
-        return (
-            plain_points_to_modes(SHAPE, values, angles(), 1e-6),
-            plain_modes_to_points(modes, angles(), 1e-6),
-        )
+        grid = spreading.plain_spread(values, places, sizes)
+        return grid, spreading.plain_interpolate(grid, places)
 
     whole = both()
-    for most in (1, 7 * 2 * 8**3):
-        monkeypatch.setattr(nonuniform, "MOST_VALUES", most)
+    for most in (1, 7 * FIELDS * 7**3):
+        monkeypatch.setattr(spreading, "MOST_VALUES", most)
         for found, expected in zip(both(), whole, strict=True):
             assert_allclose(found, expected, rtol=0, atol=1e-12)
 
 
-def test_the_flow_is_the_same_where_finufft_was_not_built(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_no_number_stays_on_the_grid() -> None:
+    """A point that is nowhere makes numbers none, and nothing is written beside the grid."""
+    sizes = (14, 14, 75)
+    where = angles(3)
+    where[0] = np.nan, np.inf, -np.inf
+    places = kernel_places(jnp.asarray(where), sizes, 7)
+    first = np.asarray(places.first).T
+    assert first.min() >= 0
+    assert np.all(first <= np.array(sizes) - 1)
+    alone = Places(places.first[:, :1], places.weights[:, :1])
+    assert np.isnan(interpolate(jnp.ones((1, *sizes)), alone)).all()
+    rest = Places(places.first[:, 1:], places.weights[:, 1:])
+    assert np.isfinite(interpolate(jnp.ones((1, *sizes)), rest)).all()
+
+
+def test_the_flow_is_the_same_without_loops(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also its derivatives, as the exact dynamics need them."""
     draw = np.random.default_rng(3)
     points = jnp.asarray(draw.uniform(-1.0, 1.0, (POINTS, 3)))
     strengths = jnp.asarray(draw.normal(size=(POINTS, 3)))
-    transform = Transform((7, 7, 9), 1e-10, jnp.array([4.0, 4.0, 5.0]))
+    transform = Transform((3, 3, 4), 1e-10, jnp.array([4.0, 4.0, 5.0]))
     wall = tube_wall(2.0, 5.0, wall_gap=0.8, tolerance=1e-4)
     boundary = jnp.asarray(draw.normal(size=(wall.rings, wall.azimuths, 3)))
 
@@ -99,15 +200,13 @@ def test_the_flow_is_the_same_where_finufft_was_not_built(monkeypatch: pytest.Mo
         return wall.velocity(points, wall.regular_flow(boundary))
 
     def all_of_it() -> list[Array]:
-        found = []
+        found: list[Array] = []
         for flow in (there_and_back, along_wall):
             found += jax.jvp(flow, (points,), (strengths,))
         return found
 
     usual = all_of_it()
-    monkeypatch.setattr(nonuniform, "BUILT", ())
-    for found, expected, tolerance in zip(
-        all_of_it(), usual, (1e-9, 1e-9, 1e-3, 1e-3), strict=True
-    ):
-        assert relative(found, np.asarray(expected)) < tolerance
+    monkeypatch.setattr(dispatch, "LOOPS_SERVE", False)
+    for found, expected in zip(all_of_it(), usual, strict=True):
+        assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
         assert not np.array_equal(found, expected)

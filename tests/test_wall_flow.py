@@ -1,6 +1,7 @@
 """The flow inside a tube from its velocity on the wall, beside flows that are known everywhere."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
@@ -63,18 +64,24 @@ def test_known_flows(known: Callable[..., np.ndarray], tolerance: float) -> None
 
 
 def test_nodes_serve_flows_of_cells_that_are_no_nearer() -> None:
-    """Of a cell at the gap the wall has a mode in exp(-k gap) of its size; k = 61 is hardest."""
+    """Of a cell at the gap the wall has a mode in exp(-k gap) of its size; k = 61 is hardest.
+
+    Transforms that are exact leave the nodes' error, usual ones a fifth of the tolerance.
+    """
     gap, tolerance = 0.15, 1e-8
     wall = tube_wall(RADIUS, PERIOD, wall_gap=gap, tolerance=tolerance)
+    exact = replace(wall, tolerance=1e-12)
     random, r = np.random.default_rng(0), np.linspace(0.0, RADIUS, 200)
     theta, z = random.uniform(-3.0, 3.0, (2, r.size))
     here = np.stack([r * np.cos(theta), r * np.sin(theta), z], axis=-1)
     for m, wave in ((0, 20), (3, 35), (0, 49), (8, 49), (2, 65)):
         boundary = potential_flow(m, wave, np.asarray(wall.points()))
-        found = wall.velocity(jnp.asarray(here), wall.regular_flow(jnp.asarray(boundary)))
-        error = np.abs(np.asarray(found) - potential_flow(m, wave, here)).max()
         amplitude = np.exp(-gap * np.hypot(2.0 * np.pi * wave / PERIOD, m / RADIUS))
-        assert amplitude * error < 0.01 * tolerance * np.abs(boundary).max()
+        allowed = tolerance * np.abs(boundary).max()
+        for each, share in ((exact, 0.01), (wall, 0.2)):
+            found = each.velocity(jnp.asarray(here), each.regular_flow(jnp.asarray(boundary)))
+            error = np.abs(np.asarray(found) - potential_flow(m, wave, here)).max()
+            assert amplitude * error < share * allowed
 
 
 def test_derivatives_along_a_direction() -> None:

@@ -87,7 +87,6 @@ ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
-    "CELLTRAIN_NUFFT_THREADS": "1",
     # XLA's own pool.
     "NPROC": "1",
 }

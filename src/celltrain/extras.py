@@ -5,8 +5,8 @@ from importlib.util import find_spec
 #: For each extra the modules that it brings, and what needs them.
 EXTRAS: dict[str, tuple[tuple[str, ...], str]] = {
     "simulations": (
-        ("jax", "jaxlib", "jax_finufft", "equinox"),
-        "simulations and velocities in the fluid need JAX, jax-finufft and Equinox",
+        ("jax", "jaxlib", "equinox"),
+        "simulations and velocities in the fluid need JAX and Equinox",
     ),
     "explore": (("dash", "plotly"), "the explorer and pages of results need Dash and Plotly"),
     "studies": (("distributed",), "studies need dask.distributed"),

@@ -29,7 +29,6 @@ from typing import Any, Generic, ParamSpec, Protocol, TypeVar
 
 import equinox as eqx
 import jax
-import jax_finufft
 import numpy as np
 import scipy
 from jax.experimental.serialize_executable import deserialize_and_load, serialize
@@ -269,7 +268,7 @@ def _foundation() -> bytes | None:
     """What all programs depend on: sources, libraries, the processor; None if that is not known."""
     from llvmlite import binding
 
-    libraries = (jax, jaxlib_version, jax_finufft, eqx, np, scipy)
+    libraries = (jax, jaxlib_version, eqx, np, scipy)
     versions = [platform.python_version(), *(each.__version__ for each in libraries)]
     processor = [binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()]
     package = Path(__file__).parent

@@ -5,22 +5,17 @@
   folder is `$XDG_CACHE_HOME/celltrain` or `~/.cache/celltrain`, unless the user has given JAX one;
   that and its other settings are then left alone. Where JAX was loaded before this package it has
   none, because XLA would write lines of warnings for each program that it holds.
-* The number of threads of the nonuniform Fourier transforms: one, because at the sizes of a train
-  more of them cost more than they bring; `$CELLTRAIN_NUFFT_THREADS` sets another.
 * What JAX compiles is reported to the clock (see `clock`).
 
 What must be said before JAX is loaded is in `environment`.
 """
 
-import os
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 import jax
 import numpy as np
 from jax.extend import backend
-from jax_finufft.options import Opts
 from jaxtyping import Array
 from numpy.typing import ArrayLike
 
@@ -74,20 +69,6 @@ def only_processors() -> bool:
     return set(backend.backends()) == {"cpu"}
 
 
-def by_platform(
-    choices: dict[str, Callable[..., Array]], default: Callable[..., Array], *arguments: Any
-) -> Array:
-    """Result of one of several functions that agree, chosen for the platform of the program.
-
-    **Arguments:** `choices`: functions by platforms; `default`: for all others.
-    """
-    if only_processors():
-        # Nothing else is traced, which takes half of the time of tracing a simulation.
-        return choices.get("cpu", default)(*arguments)
-    found: Array = jax.lax.platform_dependent(*arguments, **choices, default=default)
-    return found
-
-
 def constant(values: ArrayLike) -> Array:
     """Floats or integers as an array of JAX; `values` must not be changed afterwards.
 
@@ -97,5 +78,3 @@ def constant(values: ArrayLike) -> Array:
 
 
 _configure()
-
-NUFFT_OPTIONS = Opts(nthreads=int(os.environ.get("CELLTRAIN_NUFFT_THREADS", "1")))

@@ -25,8 +25,8 @@ MEMBRANES_AND_FLOW = (
         pages="C479-C504",
         year=2019,
         doi="10.1137/18M120885X",
-        note="The transforms behind the far part of the Ewald sums (FINUFFT).",
-        modules=("flow.nonuniform",),
+        note="The transforms behind the far part of the Ewald sums, and their kernel.",
+        modules=("flow.nonuniform", "flow.spreading"),
     ),
     Source(
         key="Barthes-Biesel, Diaz & Dhenin 2002",

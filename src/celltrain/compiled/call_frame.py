@@ -247,6 +247,12 @@ def result(frame: int) -> np.ndarray:
     return _numbers(word(word(frame + 8 * RESULTS)))
 
 
+@part(inline="always")
+def result_sizes(frame: int) -> np.ndarray:
+    """Sizes of the axes of the result."""
+    return _sizes(word(word(frame + 8 * RESULTS)))
+
+
 def handler(name: str) -> Callable[[Loop], Any]:
     """Compile what XLA calls by a name, on processors, and let it find that."""
 

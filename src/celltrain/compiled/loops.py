@@ -88,6 +88,8 @@ STRESSLET_PAIRS = _loop("stresslet_pairs", "stresslet_pair_loop", *_PAIRS)
 OWN_FORCES = _loop("own_forces", "own_surface_loop", *(FLOATS,) * 8)
 OWN_DOUBLE_LAYER = _loop("own_double_layer", "own_double_layer_loop", *(FLOATS,) * 11)
 CLOSE_FORCES = _loop("close_forces", "close_loop", *_CLOSE)
+SPREAD = _loop("spread", "spread_loop", FLOATS, INTEGERS, FLOATS)
+INTERPOLATE = _loop("interpolate", "interpolate_loop", FLOATS, INTEGERS, FLOATS)
 NEAREST = _loop("nearest", "nearest_loop", FLOATS, INTEGERS, FLOATS, FLOATS, FLAGS)
 FACING = _loop("facing", "facing_loop", FLOATS, FLOATS, INTEGERS, FLOATS)
 
@@ -101,6 +103,8 @@ LOOPS = {
         OWN_FORCES,
         OWN_DOUBLE_LAYER,
         CLOSE_FORCES,
+        SPREAD,
+        INTERPOLATE,
         NEAREST,
         FACING,
     )

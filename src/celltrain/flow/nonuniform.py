@@ -1,202 +1,158 @@
-"""Nonuniform Fourier transforms in two and three dimensions, on whatever platform a program runs.
+"""Nonuniform Fourier transforms of real fields, in two and three dimensions.
 
     points to modes:  f^(k) = sum_s f_s exp(-i k . x_s)
     modes to points:  f(x)  = sum_k f^(k) exp(i k . x)
 
-with angles x and whole numbers k from -n//2 on. On processors by FINUFFT (*Barnett, Magland & af
-Klinteberg 2019*); where `jax_finufft` was not built for a platform, by the same method in JAX
-itself: points are spread over a grid of `UPSAMPLING` times the modes by the kernel
-exp(beta (sqrt(1 - t^2) - 1)), |t| <= 1, which is transformed, and divided by the kernel's own
-transform.
+with angles x and whole numbers k up to the largest along each axis. Modes stand in the order of
+their numbers, from the lowest; those with a negative last number are left out, as f^(-k) is the
+conjugate of f^(k). Both have exact derivatives: they are transforms of other numbers at the same
+points.
+
+Points are spread over a grid of `UPSAMPLING` times the modes by a narrow kernel (see `spreading`).
+The grid is transformed, and divided by the kernel's own transform (*Barnett, Magland & af
+Klinteberg 2019*). The kernel and the grid are those for resolved fields, of which no more than the
+tolerance is left at the largest numbers: what is wrong by more there does not count.
 """
 
 import math
-from functools import cache, reduce
-from importlib.util import find_spec
+from functools import partial
 from typing import TypeAlias
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax_finufft import nufft1, nufft2
 from jaxtyping import Array, Complex, Float
 from scipy.fft import next_fast_len
 
-from celltrain.runtime import NUFFT_OPTIONS, by_platform
+from celltrain.flow.spreading import (
+    Grid,
+    Sizes,
+    interpolate,
+    kernel_places,
+    kernel_transform,
+    kernel_width,
+    spread,
+)
 
-Angles: TypeAlias = tuple[Float[Array, " point"], ...]
-Shape: TypeAlias = tuple[int, ...]
+Angles: TypeAlias = Float[Array, "point axis"]
+Values: TypeAlias = Float[Array, "point field"]
+Modes: TypeAlias = Complex[Array, "field *number"]
+#: The largest number along each axis.
+Largest: TypeAlias = tuple[int, ...]
 
-#: Platforms for which `jax_finufft` was built.
-BUILT = ("cpu", *(("cuda",) if find_spec("jax_finufft.jax_finufft_gpu") else ()))
-#: Grid points for each mode along each axis.
-UPSAMPLING = 2.0
-# Shape of the kernel for each grid point that it covers, at this upsampling.
-STEEPNESS = 2.3
-# Values of kernels held at a time.
-MOST_VALUES = 2**22
-
-
-def points_to_modes(
-    shape: Shape, values: Complex[Array, "part point"], angles: Angles, tolerance: float
-) -> Complex[Array, "part *mode"]:
-    """Modes of values at points; errors relative to the largest are of the size of `tolerance`."""
-
-    def built(values: Array, *angles: Array) -> Array:
-        found: Array = nufft1(shape, values, *angles, eps=tolerance, iflag=-1, opts=NUFFT_OPTIONS)
-        return found
-
-    def plain(values: Array, *angles: Array) -> Array:
-        return plain_points_to_modes(shape, values, angles, tolerance)
-
-    return by_platform(dict.fromkeys(BUILT, built), plain, values, *angles)
+# Grid points for each mode along each axis.
+UPSAMPLING = 1.25
+# Numbers on the grids of some fields at a time, if there are many fields, and fields at least.
+MOST_NUMBERS, LEAST_FIELDS = 2**20, 3
 
 
-def modes_to_points(
-    modes: Complex[Array, "part *mode"], angles: Angles, tolerance: float
-) -> Complex[Array, "part point"]:
-    """Values at points of fields with these modes, to `tolerance` as `points_to_modes`."""
+@partial(jax.custom_jvp, nondiff_argnums=(0, 3))
+def points_to_modes(largest: Largest, values: Values, angles: Angles, tolerance: float) -> Modes:
+    """Modes of values at points.
 
-    def built(modes: Array, *angles: Array) -> Array:
-        found: Array = nufft2(modes, *angles, eps=tolerance, iflag=1, opts=NUFFT_OPTIONS)
-        return found
-
-    def plain(modes: Array, *angles: Array) -> Array:
-        return plain_modes_to_points(modes, angles, tolerance)
-
-    return by_platform(dict.fromkeys(BUILT, built), plain, modes, *angles)
-
-
-def fields_at_points(
-    modes: Complex[Array, "field *mode"], angles: Angles, tolerance: float
-) -> Float[Array, "field point"]:
-    """Values at points of real fields, of which two share a transform, to `tolerance`."""
-    pairs = modes_to_points(in_pairs(modes), angles, tolerance)
-    both = jnp.stack([pairs.real, pairs.imag], axis=1)
-    return both.reshape(-1, both.shape[-1])[: len(modes)]
+    Where the largest modes are made as small as the tolerance afterwards, errors are about as
+    large as that, relative to the largest.
+    """
+    sizes, width = _sizes(largest, tolerance), kernel_width(tolerance)
+    grid = spread(values, kernel_places(angles, sizes, width), sizes)
+    found = jnp.fft.rfftn(grid, axes=_axes(sizes))[..., : largest[-1] + 1]
+    for axis, (most, size) in enumerate(zip(largest[:-1], sizes, strict=False), start=1):
+        below = jax.lax.slice_in_dim(found, size - most, size, axis=axis)
+        others = jax.lax.slice_in_dim(found, 0, most + 1, axis=axis)
+        found = jnp.concatenate([below, others], axis=axis)
+    return _without_kernel(found, sizes, width)
 
 
-def in_pairs(components: Array) -> Array:
-    """Components a_0 + i a_1, a_2 + i a_3, ..., for transforms of which each a is real."""
-    if components.shape[0] % 2:
-        components = jnp.concatenate([components, jnp.zeros_like(components[:1])])
-    return components[0::2] + 1j * components[1::2]
+@points_to_modes.defjvp
+def _points_to_modes_jvp(largest, tolerance, primals, tangents):  # type: ignore[no-untyped-def]
+    values, angles = primals
+    d_values, d_angles = tangents
+    moments = [values * along[:, None] for along in d_angles.T]
+    moved = points_to_modes(
+        largest, jnp.concatenate([d_values, *moments], axis=1), angles, tolerance
+    )
+    change, *by_axis = jnp.split(moved, 1 + len(largest))
+    for number, part in zip(numbers_of_modes(largest), by_axis, strict=True):
+        change = change - 1j * number * part
+    return points_to_modes(largest, values, angles, tolerance), change
 
 
-def plain_points_to_modes(
-    shape: Shape, values: Complex[Array, "part point"], angles: Angles, tolerance: float
-) -> Complex[Array, "part *mode"]:
-    """The same by JAX alone."""
-    width, sizes = _kernel_width(tolerance), _sizes(shape, tolerance)
-    grid = jnp.zeros((len(values), math.prod(sizes)), dtype=complex)
+@partial(jax.custom_jvp, nondiff_argnums=(2,))
+def modes_to_points(modes: Modes, angles: Angles, tolerance: float) -> Values:
+    """Values at points of fields whose largest modes are as small as the tolerance.
 
-    def add(grid: Array, some: tuple[Array, Array]) -> tuple[Array, None]:
-        places, weights = _spread(some[1], sizes, width)
-        spread = some[0].T[:, :, None] * weights
-        return grid.at[:, places.ravel()].add(spread.reshape(len(grid), -1)), None
+    Errors are about as large as that, relative to the largest.
+    """
+    largest = _largest(modes)
+    sizes, width = _sizes(largest, tolerance), kernel_width(tolerance)
+    places = kernel_places(angles, sizes, width)
 
-    count = values.shape[1]
-    batch = max(1, min(count, MOST_VALUES // (len(values) * width ** len(shape))))
-    grid, _ = jax.lax.scan(add, grid, (_batches(values.T, batch), _batches(_stack(angles), batch)))
-    transformed = jnp.fft.fftn(grid.reshape(-1, *sizes), axes=_axes(shape))
-    return _chosen(transformed, shape) / _kernel_modes(shape, sizes, width)
+    def some(modes: Modes) -> Values:
+        return interpolate(_grid(modes, sizes, width), places)
 
-
-def plain_modes_to_points(
-    modes: Complex[Array, "part *mode"], angles: Angles, tolerance: float
-) -> Complex[Array, "part point"]:
-    """The same by JAX alone."""
-    parts, *counts = modes.shape
-    shape = tuple(counts)
-    width, sizes = _kernel_width(tolerance), _sizes(shape, tolerance)
-    divided = modes / _kernel_modes(shape, sizes, width)
-    # Not by setting elements: XLA does that for complex numbers on GPUs one by one.
-    missing = (size - n for n, size in zip(shape, sizes, strict=True))
-    padded = jnp.pad(divided, ((0, 0), *((0, each) for each in missing)))
-    padded = jnp.roll(padded, [-(n // 2) for n in shape], axis=_axes(shape))
-    grid = jnp.fft.ifftn(padded, axes=_axes(shape), norm="forward").reshape(parts, -1)
-
-    def take(angles: Array) -> Array:
-        places, weights = _spread(angles, sizes, width)
-        return jnp.einsum("apk,pk->pa", grid[:, places], weights)
-
-    count = len(angles[0])
-    batch = max(1, min(count, MOST_VALUES // (parts * width ** len(shape))))
-    found = jax.lax.map(take, _batches(_stack(angles), batch))
-    return found.reshape(-1, parts)[:count].T
+    most = max(LEAST_FIELDS, MOST_NUMBERS // math.prod(sizes))
+    if len(modes) <= most:
+        return some(modes)
+    # Their grids stay in the same memory, which the system would have to clear for more of them.
+    missing = -len(modes) % most
+    filled = jnp.concatenate([modes, jnp.zeros((missing, *modes.shape[1:]), modes.dtype)])
+    found = jax.lax.map(some, filled.reshape(-1, most, *modes.shape[1:]))
+    return jnp.moveaxis(found, 0, 1).reshape(len(angles), -1)[:, : len(modes)]
 
 
-def _axes(shape: Shape) -> tuple[int, ...]:
-    return tuple(range(1, len(shape) + 1))
+def _grid(modes: Modes, sizes: Sizes, width: int) -> Grid:
+    """Fields on the grid that, interpolated, have these modes."""
+    largest = _largest(modes)
+    found = _without_kernel(modes, sizes, width)
+    for axis, (most, size) in enumerate(zip(largest[:-1], sizes, strict=False), start=1):
+        below = jax.lax.slice_in_dim(found, 0, most, axis=axis)
+        others = jax.lax.slice_in_dim(found, most, 2 * most + 1, axis=axis)
+        shape = list(found.shape)
+        shape[axis] = size - 2 * most - 1
+        found = jnp.concatenate([others, jnp.zeros(shape, found.dtype), below], axis=axis)
+    return jnp.fft.irfftn(found, sizes, _axes(sizes), norm="forward")
 
 
-def _stack(angles: Angles) -> Float[Array, "point axis"]:
-    return jnp.stack(angles, axis=1)
+@modes_to_points.defjvp
+def _modes_to_points_jvp(tolerance, primals, tangents):  # type: ignore[no-untyped-def]
+    modes, angles = primals
+    d_modes, d_angles = tangents
+    slopes = [1j * number * modes for number in numbers_of_modes(_largest(modes))]
+    found = modes_to_points(jnp.concatenate([d_modes, *slopes]), angles, tolerance)
+    change, *gradient = jnp.split(found, 1 + angles.shape[1], axis=1)
+    for along, part in zip(d_angles.T, gradient, strict=True):
+        change = change + part * along[:, None]
+    return modes_to_points(modes, angles, tolerance), change
 
 
-def _batches(values: Array, batch: int) -> Array:
-    """Rows in batches of one size; rows of zeros fill up the last."""
-    missing = -len(values) % batch
-    filled = jnp.concatenate([values, jnp.zeros((missing, *values.shape[1:]), values.dtype)])
-    return filled.reshape(-1, batch, *values.shape[1:])
+def _largest(modes: Modes) -> Largest:
+    *across, along = modes.shape[1:]
+    return (*(count // 2 for count in across), along - 1)
 
 
-def _spread(angles: Array, sizes: Shape, width: int) -> tuple[Array, Array]:
-    """Numbers of the grid points that each point reaches, and the kernel there [point, grid]."""
-    places = jnp.zeros((len(angles), 1), dtype=int)
-    weights = jnp.ones((len(angles), 1))
-    for axis, size in enumerate(sizes):
-        turns = angles[:, axis] / (2.0 * math.pi)
-        place = size * (turns - jnp.floor(turns))
-        first = jnp.ceil(place - 0.5 * width)
-        numbers = first[:, None] + jnp.arange(width)
-        along = numbers.astype(int) % size
-        places = (places[:, :, None] * size + along[:, None]).reshape(len(angles), -1)
-        kernel = _kernel(numbers - place[:, None], width)
-        weights = (weights[:, :, None] * kernel[:, None]).reshape(len(angles), -1)
-    return places, weights
+def numbers_of_modes(largest: Largest) -> list[np.ndarray]:
+    """Numbers of the modes along each axis, broadcastable to all modes."""
+    *across, along = largest
+    numbers = [*(np.arange(-most, most + 1) for most in across), np.arange(along + 1)]
+    count = len(numbers)
+    return [each.reshape(-1, *(1,) * (count - 1 - axis)) for axis, each in enumerate(numbers)]
 
 
-def _kernel(distance: Array, width: int) -> Array:
-    """The kernel at distances in grid points, of a support of `width`."""
-    # Not quite zero at its edge, where the root has no derivative.
-    inside = jnp.maximum(1.0 - (2.0 / width * distance) ** 2, 1e-30)
-    return jnp.exp(STEEPNESS * width * (jnp.sqrt(inside) - 1.0))
+def _axes(sizes: Sizes) -> tuple[int, ...]:
+    return tuple(range(1, len(sizes) + 1))
 
 
-def _kernel_width(tolerance: float) -> int:
-    """Grid points that the kernel covers: one for each decimal digit, and two more."""
-    return math.ceil(-math.log10(tolerance)) + 2
-
-
-def _sizes(shape: Shape, tolerance: float) -> Shape:
-    least = 2 * _kernel_width(tolerance)
+def _sizes(largest: Largest, tolerance: float) -> Sizes:
+    least = 2 * kernel_width(tolerance)
     return tuple(
-        next_fast_len(max(least, math.ceil(UPSAMPLING * count)), real=False) for count in shape
+        next_fast_len(max(least, math.ceil(UPSAMPLING * (2 * most + 1))), real=True)
+        for most in largest
     )
 
 
-def _numbers(count: int) -> np.ndarray:
-    return np.arange(count) - count // 2
-
-
-def _chosen(transformed: Array, shape: Shape) -> Array:
-    """The wanted modes, in the order of their numbers."""
-    for axis, count in enumerate(shape, start=1):
-        transformed = jnp.take(transformed, _numbers(count), axis=axis, mode="wrap")
-    return transformed
-
-
-def _kernel_modes(shape: Shape, sizes: Shape, width: int) -> Float[np.ndarray, " *mode"]:
-    along = (_kernel_mode(n, size, width) for n, size in zip(shape, sizes, strict=True))
-    return reduce(np.multiply.outer, along)
-
-
-@cache
-def _kernel_mode(count: int, size: int, width: int) -> Float[np.ndarray, " mode"]:
-    """Fourier transform of the kernel at the wave numbers of an axis, in grid points."""
-    nodes, weights = np.polynomial.legendre.leggauss(4 * width + 20)
-    values = np.exp(STEEPNESS * width * (np.sqrt(1.0 - nodes**2) - 1.0))
-    waves = np.pi * width / size * _numbers(count)
-    found: np.ndarray = 0.5 * width * np.cos(np.outer(waves, nodes)) @ (weights * values)
-    return found
+def _without_kernel(modes: Modes, sizes: Sizes, width: int) -> Modes:
+    """Modes divided by the kernel's."""
+    for numbers, size in zip(numbers_of_modes(_largest(modes)), sizes, strict=True):
+        # One after the other: their product is as large as the modes.
+        modes = modes * (1.0 / kernel_transform(numbers / size, width))
+    return modes

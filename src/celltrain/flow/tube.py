@@ -140,7 +140,7 @@ class PeriodicTube(SurroundingFlow):
 
 
 def _numbers(points: Array) -> Array:
-    """Points with 0 for what is no number: FINUFFT would end the process when it meets that."""
+    """Points with 0 for what is no number, which would spread to all others."""
     return jnp.where(jnp.isfinite(points), points, 0.0)
 
 

@@ -24,7 +24,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 from scipy.special import hyp0f1, ive
 
-from celltrain.flow.nonuniform import Angles, fields_at_points
+from celltrain.flow.nonuniform import Angles, modes_to_points
 from celltrain.runtime import constant
 
 # Points across a strip along the tube.
@@ -32,6 +32,9 @@ STRIP = 8
 # So many times the Chebyshev nodes that the hardest wave is estimated to take, and so many more:
 # the error of the interpolation of cells' flows is then a fifth of the tolerance or less.
 MARGIN, MORE = 1.14, 4
+# Error of the transforms relative to the tolerance: near the wall modes fall more slowly than those
+# of the resolved fields for which these are made.
+TRANSFORM_SHARE = 0.01
 # Bessel functions of the wall's modes below this are not formed: they would underflow.
 LEAST_BESSEL = 1e-200
 
@@ -202,23 +205,18 @@ class TubeWall(eqx.Module):
         points = points.at[:, 0].add(jnp.where(on_axis, 1e-9, 0.0))
         radius = jnp.sqrt(points[:, 0] ** 2 + points[:, 1] ** 2)
         theta = jnp.arctan2(points[:, 1], points[:, 0])
-        angle_z = 2.0 * math.pi * (points[:, 2] / self.period)
-        angle_z = angle_z - 2.0 * math.pi * jnp.round(points[:, 2] / self.period)
-        on_cylinders = jnp.concatenate(
-            [self._on_cylinders(each, (theta, angle_z)) for each in flow], axis=1
-        )
-        weights = _interpolation(radius, self.radius, on_cylinders.shape[1])
-        u_r, u_theta, u_z = jnp.einsum("onp,pn->op", on_cylinders, weights)
+        angles = jnp.stack([theta, points[:, 2] * (2.0 * math.pi / self.period)], axis=1)
+        on_cylinders = jnp.concatenate([self._on_cylinders(each, angles) for each in flow], axis=2)
+        weights = _interpolation(radius, self.radius, on_cylinders.shape[2])
+        u_r, u_theta, u_z = jnp.einsum("pon,pn->op", on_cylinders, weights)
         cosine, sine = points[:, 0] / radius, points[:, 1] / radius
         return jnp.stack([u_r * cosine - u_theta * sine, u_r * sine + u_theta * cosine, u_z], -1)
 
-    def _on_cylinders(self, flow: Array, angles: Angles) -> Float[Array, "3 node point"]:
+    def _on_cylinders(self, flow: Array, angles: Angles) -> Float[Array, "point 3 node"]:
         """The components of a layer's flow at angles theta and z on the cylinders of its nodes."""
         fields = flow.reshape(-1, *flow.shape[2:])
-        # They are real: waves of negative k follow.
-        mirrored = jnp.conj(fields[:, ::-1, :0:-1])
-        both = jnp.concatenate([mirrored, fields], axis=-1)
-        return fields_at_points(both, angles, self.tolerance).reshape(*flow.shape[:2], -1)
+        found = modes_to_points(fields, angles, TRANSFORM_SHARE * self.tolerance)
+        return found.reshape(-1, *flow.shape[:2])
 
 
 def _node_angles(count: int) -> Float[np.ndarray, " node"]:

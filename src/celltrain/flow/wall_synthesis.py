@@ -34,7 +34,7 @@ class WallSynthesis(eqx.Module):
     def fields(self, modes: Complex[Array, "part x y z"]) -> Float[Array, "ring azimuth part"]:
         """Real fields with these modes, in the order that the transform gives them."""
         parts, *across, along = modes.shape
-        half = modes[..., along // 2 :].reshape(parts, math.prod(across), -1)
+        half = modes.reshape(parts, math.prod(across), along)
         # Numbers of wave vectors are odd along each axis: backwards they are those with k -> -k.
         mirrored, count = half[:, ::-1], self.phases.shape[1] // 2
         total, change = (each[:, :count] for each in (half + mirrored, half - mirrored))
@@ -55,8 +55,8 @@ def wall_synthesis(transform: Transform, wall: TubeWall) -> WallSynthesis:
     """From the modes of a transform to the points of a wall."""
     # By NumPy alone, which compiles no programs.
     kx, ky = (
-        2.0 * math.pi * (np.arange(count) - count // 2) / length
-        for count, length in zip(transform.shape[:2], np.asarray(transform.box)[:2], strict=True)
+        2.0 * math.pi * np.arange(-most, most + 1) / length
+        for most, length in zip(transform.largest[:2], np.asarray(transform.box)[:2], strict=True)
     )
     theta = 2.0 * math.pi * np.arange(wall.azimuths) / wall.azimuths
     x, y = float(wall.radius) * np.cos(theta), float(wall.radius) * np.sin(theta)
