@@ -10,7 +10,7 @@ import pytest
 #: A process in which nothing of the extra can be imported.
 PROGRAM = """
 import sys
-for name in ("jax", "jaxlib", "jax_finufft", "equinox"):
+for name in ("jax", "jaxlib", "equinox"):
     sys.modules[name] = None
 from celltrain.cli import main
 sys.exit(main(sys.argv[1:]))

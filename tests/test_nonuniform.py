@@ -10,14 +10,20 @@ from jaxtyping import Array
 from numpy.testing import assert_allclose
 
 from celltrain.compiled import dispatch
-from celltrain.flow import spreading
+from celltrain.flow import nonuniform, spreading
 from celltrain.flow.nonuniform import (
     Largest,
     modes_to_points,
     numbers_of_modes,
     points_to_modes,
 )
-from celltrain.flow.spreading import Places, interpolate, kernel_places, spread
+from celltrain.flow.spreading import (
+    grid_places,
+    interpolate,
+    kernel_transform,
+    kernel_width,
+    spread,
+)
 from celltrain.flow.transform import Transform
 from celltrain.flow.wall import tube_wall
 
@@ -64,7 +70,11 @@ def some_modes(largest: Largest, tolerance: float) -> np.ndarray:
     draw = np.random.default_rng(2)
     factors = resolved(largest, tolerance)
     parts = draw.normal(size=(2, FIELDS, *factors.shape))
-    return (parts[0] + 1j * parts[1]) * factors
+    found = (parts[0] + 1j * parts[1]) * factors
+    # Of real fields.
+    across = tuple(range(1, len(largest)))
+    found[..., 0] += np.conj(np.flip(found[..., 0], across))
+    return found
 
 
 def some_values() -> np.ndarray:
@@ -134,54 +144,119 @@ def test_derivatives_are_sums_of_derivatives(largest: Largest) -> None:
     assert np.abs(change - exact).max() < tolerance * np.abs(exact).max()
 
 
-@pytest.mark.parametrize("sizes", [(15, 24), (16, 15, 14), (14, 14, 75), (14, 14, 2400)])
+@pytest.mark.usefixtures("way")
+def test_points_of_the_grid_belong_to_it_in_programs() -> None:
+    """Wherever a program rounds where they are: half of the kernel's ends are on grid points."""
+    largest, tolerance = (23, 11), 1e-8
+    theta = 2.0 * np.pi * np.arange(POINTS) / 40.0
+    where = np.stack([np.arctan2(np.sin(theta), np.cos(theta)), theta[::-1] - 0.4], axis=1)
+    values, modes = jnp.asarray(some_values()), jnp.asarray(some_modes(largest, tolerance))
+    forth = partial(points_to_modes, largest, tolerance=tolerance)
+    back = partial(modes_to_points, tolerance=tolerance)
+    for function, given in ((forth, values), (back, modes)):
+        expected = function(given, jnp.asarray(where))
+        found = jax.jit(partial(function))(given, jnp.asarray(where))
+        assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(
+    "sizes", [(15, 24), (16, 15, 14), (14, 14, 75), (14, 14, 2400), (3, 5), (2, 4, 3)]
+)
 def test_both_ways_are_the_same_sums(
     sizes: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """On grids of one slab, of several, and of as many as there may be; fields are of all sizes."""
-    places = kernel_places(jnp.asarray(angles(len(sizes))), sizes, 7)
+    """On grids of one slab, of several, of many, and of fewer points than the kernel covers."""
+    places, width = grid_places(jnp.asarray(angles(len(sizes))), sizes), 7
     values = jnp.asarray(some_values())
-    grid = spread(values, places, sizes)
-    found = interpolate(grid, places)
+    grid = spread(values, places, sizes, width)
+    found = interpolate(grid, places, width)
     with monkeypatch.context() as patch:
         patch.setattr(dispatch, "LOOPS_SERVE", False)
-        assert_allclose(spread(values, places, sizes), grid, rtol=0, atol=1e-13)
-        assert_allclose(interpolate(grid, places), found, rtol=1e-12, atol=1e-13)
+        assert_allclose(spread(values, places, sizes, width), grid, rtol=0, atol=1e-13)
+        assert_allclose(interpolate(grid, places, width), found, rtol=1e-12, atol=1e-13)
     # One is the other's transpose.
     other = jnp.asarray(np.random.default_rng(5).normal(size=grid.shape))
-    assert_allclose(jnp.vdot(grid, other), jnp.vdot(values, interpolate(other, places)), rtol=1e-12)
+    back = interpolate(other, places, width)
+    assert_allclose(jnp.vdot(grid, other), jnp.vdot(values, back), rtol=1e-12)
+
+
+@pytest.mark.usefixtures("way")
+def test_no_points_give_nothing() -> None:
+    none, sizes = jnp.zeros((0, 3)), (14, 14, 14)
+    assert not np.any(spread(none, none, sizes, 7))
+    assert interpolate(jnp.ones((2, *sizes)), none, 7).shape == (0, 2)
 
 
 def test_batches_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Points that do not fill the last batch, and a batch for each point."""
-    sizes = (14, 15, 16)
-    places = kernel_places(jnp.asarray(angles(3)), sizes, 7)
+    sizes, width = (14, 15, 16), 7
+    places = grid_places(jnp.asarray(angles(3)), sizes)
     values = jnp.asarray(some_values())
 
     def both() -> tuple[Array, Array]:
-        grid = spreading.plain_spread(values, places, sizes)
-        return grid, spreading.plain_interpolate(grid, places)
+        grid = spreading.plain_spread(values, places, sizes, width)
+        return grid, spreading.plain_interpolate(grid, places, width)
 
     whole = both()
-    for most in (1, 7 * FIELDS * 7**3):
+    for most in (1, 7 * FIELDS * width**3):
         monkeypatch.setattr(spreading, "MOST_VALUES", most)
         for found, expected in zip(both(), whole, strict=True):
             assert_allclose(found, expected, rtol=0, atol=1e-12)
 
 
+def test_batches_of_fields_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All at once, in twos of which the last has one, and one by one."""
+    largest, tolerance = LARGEST[2], 1e-6
+    where = jnp.asarray(angles(3))
+    values, modes = jnp.asarray(some_values()), jnp.asarray(some_modes(largest, tolerance))
+
+    def both() -> tuple[Array, Array]:
+        found = points_to_modes(largest, values, where, tolerance)
+        return found, modes_to_points(modes, where, tolerance)
+
+    whole = both()
+    monkeypatch.setattr(nonuniform, "MOST_GRID_VALUES", 1)
+    for least in (2, 1):
+        monkeypatch.setattr(nonuniform, "LEAST_FIELDS", least)
+        for found, expected in zip(both(), whole, strict=True):
+            assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+def test_the_kernel_is_the_one_for_resolved_fields(
+    tolerance: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What waves beyond the grid's are taken for stays below half of the tolerance.
+
+    Other shapes of the kernel are at most by a third better.
+    """
+    width, parts = kernel_width(tolerance), np.linspace(0.0, 1.0, 41)
+    waves = 0.5 * parts / nonuniform.UPSAMPLING
+
+    def error(steepness: float) -> float:
+        monkeypatch.setattr(spreading, "STEEPNESS", steepness)
+        images = [np.abs(kernel_transform(waves + n, width)) for n in (-2, -1, 1, 2)]
+        wrong = sum(images) / np.abs(kernel_transform(waves, width))
+        return float((np.exp(np.log(tolerance) * parts**2) * wrong).max())
+
+    chosen = error(spreading.STEEPNESS)
+    assert chosen < 0.5 * tolerance
+    assert min(map(error, np.arange(1.8, 2.8, 0.05))) > chosen / 1.5
+
+
+@pytest.mark.usefixtures("way")
 def test_what_is_no_number_stays_on_the_grid() -> None:
-    """A point that is nowhere makes numbers none, and nothing is written beside the grid."""
-    sizes = (14, 14, 75)
+    """A point that is nowhere makes no numbers of what it reaches, and of nothing else."""
+    sizes, width = (14, 14, 75), 7
     where = angles(3)
-    where[0] = np.nan, np.inf, -np.inf
-    places = kernel_places(jnp.asarray(where), sizes, 7)
-    first = np.asarray(places.first).T
-    assert first.min() >= 0
-    assert np.all(first <= np.array(sizes) - 1)
-    alone = Places(places.first[:, :1], places.weights[:, :1])
-    assert np.isnan(interpolate(jnp.ones((1, *sizes)), alone)).all()
-    rest = Places(places.first[:, 1:], places.weights[:, 1:])
-    assert np.isfinite(interpolate(jnp.ones((1, *sizes)), rest)).all()
+    where[0] = np.nan
+    places = grid_places(jnp.asarray(where), sizes)
+    grid = np.asarray(spread(jnp.ones((POINTS, 1)), places, sizes, width))
+    assert np.isnan(grid).sum() == width**3
+    for each in (np.nan, np.inf, -np.inf, 1e300):
+        alone = grid_places(jnp.full((1, 3), each), sizes)
+        found = interpolate(jnp.ones((1, *sizes)), alone, width)
+        assert np.isfinite(each) or np.isnan(found).all()
 
 
 def test_the_flow_is_the_same_without_loops(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,62 +2,60 @@
 
 import numpy as np
 
-from celltrain.compiled.call_frame import integers, numbers, result, result_sizes, sizes
+from celltrain.compiled.call_frame import numbers, result, result_sizes, sizes
+from celltrain.compiled.grid_kernel import add, cover, first_covered, slab_depth
 from celltrain.compiled.loops import SPREAD
 from celltrain.compiled.shared_work import frame_of, next_part, task
-from celltrain.compiled.slabs import slab_depth
-from celltrain.parts import FAST, part
-
-
-@part(fastmath=FAST)
-def _add(into: np.ndarray, row: np.ndarray, amount: float) -> None:
-    for i in range(row.size):
-        into[i] += amount * row[i]
 
 
 @task(SPREAD.name)
 def _spread(work: int) -> int:
     """Fields [field, x, y, z] of values [point, field]. Parts: slabs of grid points along z.
 
-    Further arguments: first grid points [axis, point] and weights [axis, point, covered]. A slab
-    has room on both sides for what points near its ends give to others, which these find again.
+    Further arguments: places [point, axis] and the kernel's terms. A slab has room on both sides
+    for what points near its ends give to others, which these find again.
     """
     frame = frame_of(work)
     points, fields = sizes(frame, 0)
-    width = sizes(frame, 2)[2]
+    term_count, lanes = sizes(frame, 2)
     values = numbers(frame, 0).reshape((points, fields))
-    first = integers(frame, 1).reshape((3, points))
-    weights = numbers(frame, 2).reshape((3, points, width))
+    places = numbers(frame, 1).reshape((points, 3))
+    terms = numbers(frame, 2).reshape((term_count, lanes))
+    counts, width = result_sizes(frame)[1:], lanes // 3
     _, along_x, along_y, along_z = result_sizes(frame)
     found = result(frame).reshape((fields, along_x, along_y, along_z))
 
     depth, beside, covered = slab_depth(along_z), width - 1, width * fields
     room = np.empty((along_x, along_y, (depth + 2 * beside) * fields))
+    first, weights, offsets = np.empty(3, np.int64), np.empty((3, width)), np.empty(lanes)
     row = np.empty(covered)
     begin = depth * next_part(work)
     while begin < along_z:
         end = min(begin + depth, along_z)
         room[:] = 0.0
         for point in range(points):
-            # Also as the point's image before the grid, which is periodic.
-            for turn in range(2):
-                lowest = first[2, point] - turn * along_z - begin
-                if lowest <= -width or lowest >= end - begin:
-                    continue
-                for i in range(width):
-                    for field in range(fields):
-                        row[i * fields + field] = weights[2, point, i] * values[point, field]
+            lowest = first_covered(places[point, 2], along_z, width) - begin
+            if lowest >= end - begin:
+                lowest -= along_z
+            if lowest <= -width:
+                continue
+            cover(places[point], counts, terms, offsets, first, weights)
+            for i in range(width):
+                for field in range(fields):
+                    row[i * fields + field] = weights[2, i] * values[point, field]
+            # Also as the point's images before it: the grid is periodic.
+            while lowest > -width:
                 start = (lowest + beside) * fields
-                x = first[0, point]
+                x = first[0]
                 for i in range(width):
-                    by_x = weights[0, point, i]
-                    if by_x != 0.0:
-                        y = first[1, point]
+                    if weights[0, i] != 0.0:
+                        y = first[1]
                         for j in range(width):
                             into = room[x, y, start : start + covered]
-                            _add(into, row, by_x * weights[1, point, j])
+                            add(into, row, weights[0, i] * weights[1, j])
                             y = y + 1 if y + 1 < along_y else 0
                     x = x + 1 if x + 1 < along_x else 0
+                lowest -= along_z
         for field in range(fields):
             for x in range(along_x):
                 for y in range(along_y):

@@ -5,8 +5,8 @@
 
 with angles x and whole numbers k up to the largest along each axis. Modes stand in the order of
 their numbers, from the lowest; those with a negative last number are left out, as f^(-k) is the
-conjugate of f^(k). Both have exact derivatives: they are transforms of other numbers at the same
-points.
+conjugate of f^(k), and those whose last number is 0 are conjugates of each other. Both have forward
+derivatives, which are transforms of other values at the same points.
 
 Points are spread over a grid of `UPSAMPLING` times the modes by a narrow kernel (see `spreading`).
 The grid is transformed, and divided by the kernel's own transform (*Barnett, Magland & af
@@ -15,6 +15,7 @@ tolerance is left at the largest numbers: what is wrong by more there does not c
 """
 
 import math
+from collections.abc import Callable
 from functools import partial
 from typing import TypeAlias
 
@@ -27,23 +28,23 @@ from scipy.fft import next_fast_len
 from celltrain.flow.spreading import (
     Grid,
     Sizes,
+    Values,
+    grid_places,
     interpolate,
-    kernel_places,
     kernel_transform,
     kernel_width,
     spread,
 )
 
 Angles: TypeAlias = Float[Array, "point axis"]
-Values: TypeAlias = Float[Array, "point field"]
 Modes: TypeAlias = Complex[Array, "field *number"]
 #: The largest number along each axis.
 Largest: TypeAlias = tuple[int, ...]
 
 # Grid points for each mode along each axis.
 UPSAMPLING = 1.25
-# Numbers on the grids of some fields at a time, if there are many fields, and fields at least.
-MOST_NUMBERS, LEAST_FIELDS = 2**20, 3
+# Values on the grids of the fields that are transformed at a time, and least number of fields.
+MOST_GRID_VALUES, LEAST_FIELDS = 2**21, 3
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0, 3))
@@ -54,7 +55,17 @@ def points_to_modes(largest: Largest, values: Values, angles: Angles, tolerance:
     large as that, relative to the largest.
     """
     sizes, width = _sizes(largest, tolerance), kernel_width(tolerance)
-    grid = spread(values, kernel_places(angles, sizes, width), sizes)
+    places = grid_places(angles, sizes)
+
+    def some(values: Array) -> Modes:
+        return _modes(spread(values.T, places, sizes, width), largest, width)
+
+    return _by_batches(some, values.T, sizes)
+
+
+def _modes(grid: Grid, largest: Largest, width: int) -> Modes:
+    """Modes of the values that were spread over a grid."""
+    sizes = grid.shape[1:]
     found = jnp.fft.rfftn(grid, axes=_axes(sizes))[..., : largest[-1] + 1]
     for axis, (most, size) in enumerate(zip(largest[:-1], sizes, strict=False), start=1):
         below = jax.lax.slice_in_dim(found, size - most, size, axis=axis)
@@ -83,21 +94,30 @@ def modes_to_points(modes: Modes, angles: Angles, tolerance: float) -> Values:
 
     Errors are about as large as that, relative to the largest.
     """
-    largest = _largest(modes)
-    sizes, width = _sizes(largest, tolerance), kernel_width(tolerance)
-    places = kernel_places(angles, sizes, width)
+    sizes, width = _sizes(_largest(modes), tolerance), kernel_width(tolerance)
+    places = grid_places(angles, sizes)
 
-    def some(modes: Modes) -> Values:
-        return interpolate(_grid(modes, sizes, width), places)
+    def some(modes: Modes) -> Array:
+        return interpolate(_grid(modes, sizes, width), places, width).T
 
-    most = max(LEAST_FIELDS, MOST_NUMBERS // math.prod(sizes))
-    if len(modes) <= most:
-        return some(modes)
-    # Their grids stay in the same memory, which the system would have to clear for more of them.
-    missing = -len(modes) % most
-    filled = jnp.concatenate([modes, jnp.zeros((missing, *modes.shape[1:]), modes.dtype)])
-    found = jax.lax.map(some, filled.reshape(-1, most, *modes.shape[1:]))
-    return jnp.moveaxis(found, 0, 1).reshape(len(angles), -1)[:, : len(modes)]
+    return _by_batches(some, modes, sizes).T
+
+
+def _by_batches(transform: Callable[[Array], Array], fields: Array, sizes: Sizes) -> Array:
+    """The transforms of fields, [field, ...], some at a time if there are many.
+
+    Their grids then stay in the same memory, which the system would have to clear for more.
+    """
+    count = len(fields)
+    most = max(LEAST_FIELDS, MOST_GRID_VALUES // math.prod(sizes))
+    if count <= most:
+        return transform(fields)
+    batches = -(-count // most)
+    size = -(-count // batches)
+    missing = ((0, batches * size - count), *((0, 0),) * (fields.ndim - 1))
+    filled = jnp.pad(fields, missing).reshape(batches, size, *fields.shape[1:])
+    found = jax.lax.map(transform, filled)
+    return found.reshape(-1, *found.shape[2:])[:count]
 
 
 def _grid(modes: Modes, sizes: Sizes, width: int) -> Grid:

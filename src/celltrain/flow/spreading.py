@@ -8,11 +8,13 @@ on a grid that is periodic along each axis, x in its steps. The kernel is a prod
     K(d) = exp(beta (sqrt(1 - t^2) - 1)),   t = 2 d/w,   |t| <= 1,
 
 of *Barnett, Magland & af Klinteberg 2019*, where w is the number of grid points that it covers and
-beta grows with it. The sums are compiled loops, and plain formulas where these do not serve.
+beta grows with it. It is computed as a polynomial in each step. The sums are compiled loops, and
+plain formulas where these do not serve.
 """
 
 import math
-from typing import NamedTuple, TypeAlias
+from functools import cache
+from typing import TypeAlias
 
 import jax
 import jax.numpy as jnp
@@ -25,24 +27,15 @@ from celltrain.compiled.loops import INTERPOLATE, SPREAD
 #: Numbers of grid points along each axis.
 Sizes: TypeAlias = tuple[int, ...]
 Grid: TypeAlias = Float[Array, "field *place"]
+#: Where points are on a grid, in its steps.
+Places: TypeAlias = Float[Array, "point axis"]
+Values: TypeAlias = Float[Array, "point field"]
 
-# beta for each grid point that the kernel covers: least errors for fields of which nothing is left
-# at the largest wave numbers, where the grid has a quarter more points than modes.
+# beta for each grid point that the kernel covers: about least errors for fields of which nothing is
+# left at the largest wave numbers, on a grid of a quarter more points than modes.
 STEEPNESS = 2.4
 # Values of kernels that the plain formulas hold at a time.
 MOST_VALUES = 2**22
-
-
-class Places(NamedTuple):
-    """Where points are on a grid.
-
-    Attributes:
-        first: the first grid point that each point reaches.
-        weights: the kernel there and at those that follow.
-    """
-
-    first: Int[Array, "axis point"]
-    weights: Float[Array, "axis point covered"]
 
 
 def kernel_width(tolerance: float) -> int:
@@ -50,116 +43,143 @@ def kernel_width(tolerance: float) -> int:
     return math.ceil(-math.log10(tolerance)) + 1
 
 
+def _kernel(distance: np.ndarray, width: int) -> np.ndarray:
+    inside = np.maximum(1.0 - (2.0 / width * distance) ** 2, 0.0)
+    found: np.ndarray = np.exp(STEEPNESS * width * (np.sqrt(inside) - 1.0))
+    return found
+
+
 def kernel_transform(waves: Float[np.ndarray, "..."], width: int) -> Float[np.ndarray, "..."]:
     """Fourier transform of the kernel along an axis, at waves in turns for each grid step."""
     nodes, weights = np.polynomial.legendre.leggauss(4 * width + 20)
-    values = np.exp(STEEPNESS * width * (np.sqrt(1.0 - nodes**2) - 1.0))
-    found: np.ndarray = np.cos(np.pi * width * waves[..., None] * nodes) @ (weights * values)
+    values = weights * _kernel(0.5 * width * nodes, width)
+    found: np.ndarray = np.cos(np.pi * width * waves[..., None] * nodes) @ values
     return 0.5 * width * found
 
 
-def kernel_places(angles: Float[Array, "point axis"], sizes: Sizes, width: int) -> Places:
+@cache
+def kernel_terms(width: int) -> Float[np.ndarray, "term covered"]:
+    """The kernel at each grid point that a point covers, from the highest term.
+
+    It is a polynomial in the distance of the first one from the end of the kernel, from 0 to 1. Its
+    error is about that of cutting the kernel at its ends.
+    """
+    count = width + 4
+    nodes = 0.5 + 0.5 * np.cos((np.arange(count) + 0.5) * np.pi / count)
+    values = _kernel(nodes[:, None] + np.arange(width) - 0.5 * width, width)
+    fitted = np.polynomial.Chebyshev.fit
+    rows = [
+        fitted(nodes, each, count - 1, domain=[0.0, 1.0]).convert(kind=np.polynomial.Polynomial)
+        for each in values.T
+    ]
+    return np.array([each.coef[::-1] for each in rows]).T
+
+
+def grid_places(angles: Float[Array, "point axis"], sizes: Sizes) -> Places:
     """Where points of some angles are on a grid that one turn goes around."""
-    turns = angles.T / (2.0 * math.pi)
-    place = (turns - jnp.floor(turns)) * np.array(sizes)[:, None]
-    first = jnp.ceil(place - 0.5 * width)
-    distance = (first - place)[..., None] + np.arange(width)
-    # Not quite zero at its edge, where the root has no derivative.
-    inside = jnp.maximum(1.0 - (2.0 / width * distance) ** 2, 1e-30)
-    weights = jnp.exp(STEEPNESS * width * (jnp.sqrt(inside) - 1.0))
-    return Places(first.astype(int) % np.array(sizes)[:, None], weights)
+    turns = angles / (2.0 * math.pi)
+    return (turns - jnp.floor(turns)) * np.array(sizes, dtype=float)
 
 
-def spread(values: Float[Array, "point field"], places: Places, sizes: Sizes) -> Grid:
-    """The grid of values at points."""
+def spread(values: Values, places: Places, sizes: Sizes, width: int) -> Grid:
+    """The grid of values at points, by a kernel that covers so many grid points."""
 
-    def compiled(values: Array, *places: Array) -> Array:
-        *given, box = _in_box(Places(*places), sizes)
-        found = loop(SPREAD, (values.shape[1], *box), values, *given)
+    def compiled(values: Array, places: Array) -> Array:
+        shape = (values.shape[1], *_box(sizes))
+        found = loop(SPREAD, shape, values, _in_box(places), _terms_in_box(width))
         return found.reshape(-1, *sizes)
 
-    def plain(values: Array, *places: Array) -> Array:
-        return plain_spread(values, Places(*places), sizes)
+    def plain(values: Array, places: Array) -> Array:
+        return plain_spread(values, places, sizes, width)
 
-    return compiled_or_plain(compiled, plain, values, *places)
-
-
-def interpolate(grid: Grid, places: Places) -> Float[Array, "point field"]:
-    """Values at points of fields on a grid."""
-
-    def compiled(grid: Array, *places: Array) -> Array:
-        *given, box = _in_box(Places(*places), grid.shape[1:])
-        shape = (places[0].shape[1], len(grid))
-        return loop(INTERPOLATE, shape, grid.reshape(-1, *box), *given)
-
-    def plain(grid: Array, *places: Array) -> Array:
-        return plain_interpolate(grid, Places(*places))
-
-    return compiled_or_plain(compiled, plain, grid, *places)
+    return compiled_or_plain(compiled, plain, values, places)
 
 
-def _in_box(places: Places, sizes: Sizes) -> tuple[Array, Array, Sizes]:
-    """Places in three dimensions: a plane is one layer of a box."""
-    missing = 3 - len(sizes)
-    _, points, width = places.weights.shape
-    # The loops pass by what has no weight.
-    whole = np.zeros((missing, points, width))
-    whole[..., 0] = 1.0
-    first = jnp.concatenate([np.zeros((missing, points), dtype=int), places.first])
-    weights = jnp.concatenate([whole, places.weights])
-    return first, weights, (*(1,) * missing, *sizes)
+def interpolate(grid: Grid, places: Places, width: int) -> Values:
+    """Values at points of fields on a grid, by a kernel that covers so many grid points."""
+
+    def compiled(grid: Array, places: Array) -> Array:
+        given = grid.reshape(-1, *_box(grid.shape[1:]))
+        shape = (len(places), len(grid))
+        return loop(INTERPOLATE, shape, given, _in_box(places), _terms_in_box(width))
+
+    def plain(grid: Array, places: Array) -> Array:
+        return plain_interpolate(grid, places, width)
+
+    return compiled_or_plain(compiled, plain, grid, places)
 
 
-def plain_spread(values: Float[Array, "point field"], places: Places, sizes: Sizes) -> Grid:
+def _box(sizes: Sizes) -> Sizes:
+    """Grid points in three dimensions: a plane is one layer of a box."""
+    return (*(1,) * (3 - len(sizes)), *sizes)
+
+
+def _in_box(places: Places) -> Float[Array, "point 3"]:
+    return jnp.pad(places, ((0, 0), (3 - places.shape[1], 0)))
+
+
+def _terms_in_box(width: int) -> Float[Array, "term lane"]:
+    return jnp.asarray(np.tile(kernel_terms(width), 3))
+
+
+def plain_spread(values: Values, places: Places, sizes: Sizes, width: int) -> Grid:
     """The same by JAX alone."""
-    points, fields = values.shape
-    width = places.weights.shape[2]
-    batch = max(1, min(points, MOST_VALUES // (fields * width ** len(sizes))))
-    filled = [_batches(each, batch) for each in (values, places.first.T, _by_point(places))]
+    fields = values.shape[1]
 
-    def add(grid: Array, some: list[Array]) -> tuple[Array, None]:
-        numbers, weights = _products(some[1], some[2], sizes)
-        spread = some[0].T[:, :, None] * weights
+    def add(grid: Array, some: tuple[Array, ...]) -> tuple[Array, None]:
+        values, places = some
+        numbers, weights = _covered(places, sizes, width)
+        spread = values.T[:, :, None] * weights
         return grid.at[:, numbers.ravel()].add(spread.reshape(fields, -1)), None
 
-    grid, _ = jax.lax.scan(add, jnp.zeros((fields, math.prod(sizes))), filled)
+    batches = _batches((values, places), fields * width ** len(sizes))
+    grid, _ = jax.lax.scan(add, jnp.zeros((fields, math.prod(sizes))), batches)
     return grid.reshape(fields, *sizes)
 
 
-def plain_interpolate(grid: Grid, places: Places) -> Float[Array, "point field"]:
+def plain_interpolate(grid: Grid, places: Places, width: int) -> Values:
     """The same by JAX alone."""
     fields, *sizes = grid.shape
-    _, points, width = places.weights.shape
-    batch = max(1, min(points, MOST_VALUES // (fields * width ** len(sizes))))
     flat = grid.reshape(fields, -1)
 
-    def take(some: list[Array]) -> Array:
-        numbers, weights = _products(some[0], some[1], tuple(sizes))
+    def take(places: Array) -> Array:
+        numbers, weights = _covered(places, tuple(sizes), width)
         return jnp.einsum("fpk,pk->pf", flat[:, numbers], weights)
 
-    filled = [_batches(each, batch) for each in (places.first.T, _by_point(places))]
-    return jax.lax.map(take, filled).reshape(-1, fields)[:points]
+    (batches,) = _batches((places,), fields * width ** len(sizes))
+    return jax.lax.map(take, batches).reshape(-1, fields)[: len(places)]
 
 
-def _by_point(places: Places) -> Float[Array, "point axis covered"]:
-    return jnp.swapaxes(places.weights, 0, 1)
+def _batches(arrays: tuple[Array, ...], values: int) -> tuple[Array, ...]:
+    """Rows in batches of one size, for so many values of kernels each; zeros fill up the last.
+
+    There are two at least, so that they are computed before the loop over them. Otherwise a program
+    may compute a place twice, each time with other roundings, and take a grid point for the first
+    one that is covered, and its neighbour for where the kernel begins.
+    """
+    count = len(arrays[0])
+    size = max(1, min(-(-count // 2), MOST_VALUES // max(1, values)))
+    batches = max(2, -(-count // size))
+
+    def filled(rows: Array) -> Array:
+        missing = ((0, batches * size - count), (0, 0))
+        return jnp.pad(rows, missing).reshape(batches, size, -1)
+
+    return tuple(map(filled, arrays))
 
 
-def _batches(values: Array, batch: int) -> Array:
-    """Rows in batches of one size; rows of zeros fill up the last."""
-    missing = -len(values) % batch
-    filled = jnp.concatenate([values, jnp.zeros((missing, *values.shape[1:]), values.dtype)])
-    return filled.reshape(-1, batch, *values.shape[1:])
-
-
-def _products(
-    first: Int[Array, "point axis"], weights: Float[Array, "point axis covered"], sizes: Sizes
+def _covered(
+    places: Places, sizes: Sizes, width: int
 ) -> tuple[Int[Array, "point grid"], Float[Array, "point grid"]]:
     """Numbers of all grid points that each point reaches, and the kernel there."""
-    points, axes, width = weights.shape
-    numbers, product = jnp.zeros((points, 1), dtype=int), jnp.ones((points, 1))
-    for axis in range(axes):
-        along = (first[:, axis, None] + np.arange(width)) % sizes[axis]
-        numbers = (numbers[:, :, None] * sizes[axis] + along[:, None]).reshape(points, -1)
-        product = (product[:, :, None] * weights[:, axis, None]).reshape(points, -1)
-    return numbers, product
+    start = places - 0.5 * width
+    lowest = jnp.ceil(start)
+    kernel = jnp.zeros((*places.shape, width))
+    for term in kernel_terms(width):
+        kernel = kernel * (lowest - start)[..., None] + term
+    numbers, weights = jnp.zeros((len(places), 1), dtype=int), jnp.ones((len(places), 1))
+    for axis, size in enumerate(sizes):
+        along = (lowest[:, axis, None].astype(int) + np.arange(width)) % size
+        numbers = (numbers[:, :, None] * size + along[:, None]).reshape(len(places), -1)
+        weights = (weights[:, :, None] * kernel[:, None, axis]).reshape(len(places), -1)
+    return numbers, weights

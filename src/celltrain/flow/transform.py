@@ -44,11 +44,11 @@ class Transform(eqx.Module):
         return x, y, z
 
     def analyse(self, points: Points, strengths: Float[Array, "point field"]) -> Modes:
-        """Modes of strengths at the points, differentiable in both."""
+        """Modes of strengths at the points, with forward derivatives in both."""
         return points_to_modes(self.largest, strengths, self._angles(points), self.tolerance)
 
     def synthesise(self, points: Points, modes: Modes) -> Float[Array, "point field"]:
-        """Fields at the points, differentiable in both."""
+        """Fields at the points, with forward derivatives in both."""
         return modes_to_points(modes, self._angles(points), self.tolerance)
 
     def _angles(self, points: Points) -> Angles:
