@@ -1,5 +1,7 @@
 """What compiled loops between points and a grid have in common (see `flow.spreading`)."""
 
+import math
+
 import numpy as np
 
 from celltrain.parts import FAST, part
@@ -23,44 +25,28 @@ def add(into: np.ndarray, given: np.ndarray, amount: float) -> None:
         into[i] += amount * given[i]
 
 
-@part(fastmath=FAST)
-def _polynomials(terms: np.ndarray, x: np.ndarray, values: np.ndarray) -> None:
-    """Values of polynomials [term, polynomial], from the highest term, each at its x."""
-    values[:] = terms[0]
-    for term in range(1, terms.shape[0]):
-        for i in range(x.size):
-            values[i] = values[i] * x[i] + terms[term, i]
-
-
 @part()
 def first_covered(place: float, count: int, width: int) -> int:
     """The first grid point, of so many, that a point reaches along an axis."""
     # What is no number becomes some grid point, with weights that are none.
-    return int(np.ceil(place - 0.5 * width)) % count
+    return math.ceil(place - 0.5 * width) % count
 
 
-@part()
-def cover(
-    places: np.ndarray,
-    counts: np.ndarray,
-    terms: np.ndarray,
-    offsets: np.ndarray,
-    first: np.ndarray,
-    weights: np.ndarray,
-) -> None:
-    """The first grid point that a point reaches along each axis, and the kernel from there on.
+@part(fastmath=FAST)
+def cover(places: np.ndarray, terms: np.ndarray, offsets: np.ndarray, weights: np.ndarray) -> None:
+    """The kernel at the grid points that a point reaches along each axis, [axis, covered].
 
-    **Arguments:** `places`: of the point, [axis]; `counts`: of grid points, [axis]; `terms`: of the
-    kernel, [term, axis and covered]; `offsets`: room for as many; `weights`: [axis, covered].
+    **Arguments:** `places`: of the point, [axis]; `terms`: [term, axis, covered], from the highest;
+    `offsets`: room for as many.
     """
+    # Element by element: Numba takes a second to compile the assignment of a row.
     axes, width = weights.shape
     for axis in range(axes):
-        first[axis] = first_covered(places[axis], counts[axis], width)
         start = places[axis] - 0.5 * width
-        offsets[axis * width : (axis + 1) * width] = np.ceil(start) - start
-    _polynomials(terms, offsets, weights.reshape(-1))
-    for axis in range(axes):
-        # A plane is one layer of a box.
-        if counts[axis] == 1:
-            weights[axis] = 0.0
-            weights[axis, 0] = 1.0
+        for i in range(width):
+            offsets[axis, i] = math.ceil(start) - start
+            weights[axis, i] = 0.0
+    for term in range(terms.shape[0]):
+        for axis in range(axes):
+            for i in range(width):
+                weights[axis, i] = weights[axis, i] * offsets[axis, i] + terms[term, axis, i]

@@ -18,16 +18,15 @@ def _interpolate(work: int) -> int:
     frame = frame_of(work)
     fields, along_x, along_y, along_z = sizes(frame, 0)
     points = sizes(frame, 1)[0]
-    term_count, lanes = sizes(frame, 2)
+    term_count, _, width = sizes(frame, 2)
     grid = numbers(frame, 0).reshape((fields, along_x, along_y, along_z))
     places = numbers(frame, 1).reshape((points, 3))
-    terms = numbers(frame, 2).reshape((term_count, lanes))
-    counts, width = sizes(frame, 0)[1:], lanes // 3
+    terms = numbers(frame, 2).reshape((term_count, 3, width))
     found = result(frame).reshape((points, fields))
 
     depth, covered = slab_depth(along_z), width * fields
     room = np.empty((along_x, along_y, (depth + width - 1) * fields))
-    first, weights, offsets = np.empty(3, np.int64), np.empty((3, width)), np.empty(lanes)
+    weights, offsets = np.empty((3, width)), np.empty((3, width))
     row = np.empty(covered)
     begin = depth * next_part(work)
     while begin < along_z:
@@ -42,13 +41,13 @@ def _interpolate(work: int) -> int:
             lowest = first_covered(places[point, 2], along_z, width)
             if lowest < begin or lowest >= end:
                 continue
-            cover(places[point], counts, terms, offsets, first, weights)
+            cover(places[point], terms, offsets, weights)
             start = (lowest - begin) * fields
             row[:] = 0.0
-            x = first[0]
+            x = first_covered(places[point, 0], along_x, width)
             for i in range(width):
                 if weights[0, i] != 0.0:
-                    y = first[1]
+                    y = first_covered(places[point, 1], along_y, width)
                     for j in range(width):
                         given = room[x, y, start : start + covered]
                         add(row, given, weights[0, i] * weights[1, j])

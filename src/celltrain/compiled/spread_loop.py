@@ -17,17 +17,16 @@ def _spread(work: int) -> int:
     """
     frame = frame_of(work)
     points, fields = sizes(frame, 0)
-    term_count, lanes = sizes(frame, 2)
+    term_count, _, width = sizes(frame, 2)
     values = numbers(frame, 0).reshape((points, fields))
     places = numbers(frame, 1).reshape((points, 3))
-    terms = numbers(frame, 2).reshape((term_count, lanes))
-    counts, width = result_sizes(frame)[1:], lanes // 3
+    terms = numbers(frame, 2).reshape((term_count, 3, width))
     _, along_x, along_y, along_z = result_sizes(frame)
     found = result(frame).reshape((fields, along_x, along_y, along_z))
 
     depth, beside, covered = slab_depth(along_z), width - 1, width * fields
     room = np.empty((along_x, along_y, (depth + 2 * beside) * fields))
-    first, weights, offsets = np.empty(3, np.int64), np.empty((3, width)), np.empty(lanes)
+    weights, offsets = np.empty((3, width)), np.empty((3, width))
     row = np.empty(covered)
     begin = depth * next_part(work)
     while begin < along_z:
@@ -39,17 +38,17 @@ def _spread(work: int) -> int:
                 lowest -= along_z
             if lowest <= -width:
                 continue
-            cover(places[point], counts, terms, offsets, first, weights)
+            cover(places[point], terms, offsets, weights)
             for i in range(width):
                 for field in range(fields):
                     row[i * fields + field] = weights[2, i] * values[point, field]
             # Also as the point's images before it: the grid is periodic.
             while lowest > -width:
                 start = (lowest + beside) * fields
-                x = first[0]
+                x = first_covered(places[point, 0], along_x, width)
                 for i in range(width):
                     if weights[0, i] != 0.0:
-                        y = first[1]
+                        y = first_covered(places[point, 1], along_y, width)
                         for j in range(width):
                             into = room[x, y, start : start + covered]
                             add(into, row, weights[0, i] * weights[1, j])

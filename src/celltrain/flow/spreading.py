@@ -86,7 +86,7 @@ def spread(values: Values, places: Places, sizes: Sizes, width: int) -> Grid:
 
     def compiled(values: Array, places: Array) -> Array:
         shape = (values.shape[1], *_box(sizes))
-        found = loop(SPREAD, shape, values, _in_box(places), _terms_in_box(width))
+        found = loop(SPREAD, shape, values, _in_box(places), _terms_in_box(width, len(sizes)))
         return found.reshape(-1, *sizes)
 
     def plain(values: Array, places: Array) -> Array:
@@ -101,7 +101,8 @@ def interpolate(grid: Grid, places: Places, width: int) -> Values:
     def compiled(grid: Array, places: Array) -> Array:
         given = grid.reshape(-1, *_box(grid.shape[1:]))
         shape = (len(places), len(grid))
-        return loop(INTERPOLATE, shape, given, _in_box(places), _terms_in_box(width))
+        terms = _terms_in_box(width, places.shape[1])
+        return loop(INTERPOLATE, shape, given, _in_box(places), terms)
 
     def plain(grid: Array, places: Array) -> Array:
         return plain_interpolate(grid, places, width)
@@ -118,8 +119,13 @@ def _in_box(places: Places) -> Float[Array, "point 3"]:
     return jnp.pad(places, ((0, 0), (3 - places.shape[1], 0)))
 
 
-def _terms_in_box(width: int) -> Float[Array, "term lane"]:
-    return jnp.asarray(np.tile(kernel_terms(width), 3))
+def _terms_in_box(width: int, axes: int) -> Float[Array, "term 3 covered"]:
+    """The kernel along each axis; a plane is passed once."""
+    terms = kernel_terms(width)
+    found = np.zeros((len(terms), 3, width))
+    found[:, 3 - axes :] = terms[:, None]
+    found[-1, : 3 - axes, 0] = 1.0
+    return jnp.asarray(found)
 
 
 def plain_spread(values: Values, places: Places, sizes: Sizes, width: int) -> Grid:
