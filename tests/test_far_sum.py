@@ -1,5 +1,6 @@
 """The far part of the flow through the nonuniform transforms, beside the sum over wave vectors."""
 
+from collections.abc import Callable
 from functools import partial
 
 import jax
@@ -64,10 +65,8 @@ def test_it_is_the_sum_over_wave_vectors(kind: str, tolerance: float) -> None:
     strengths = jnp.asarray(draw.normal(size=(2, 4, COUNT // 8, 3 if kind == "forces" else 6)))
     moved = [jnp.asarray(draw.normal(size=points(1).shape)) for _ in range(2)]
 
-    def flow(way: object, targets: Array, places: Array) -> Array:
-        assert callable(way)
-        found: Array = way(tube, targets, Sources(places, **{kind: strengths}))
-        return found
+    def flow(way: Callable[..., Array], targets: Array, places: Array) -> Array:
+        return way(tube, targets, Sources(places, **{kind: strengths}))
 
     given = (points(1), points(2))
     by_transforms = jax.jvp(partial(flow, far_flow), given, tuple(moved))

@@ -6,8 +6,8 @@ import numpy as np
 
 from celltrain.parts import FAST, part
 
-# Grid points along the last axis for each part of the work, at least, and most parts: each of them
-# looks at all points.
+# Most grid points of a slab along the last axis, and most slabs, for which a slab may be deeper:
+# for each of them all points are looked at.
 DEPTH, MOST_PARTS = 30, 64
 
 
@@ -28,7 +28,7 @@ def add(into: np.ndarray, given: np.ndarray, amount: float) -> None:
 @part()
 def first_covered(place: float, count: int, width: int) -> int:
     """The first grid point, of so many, that a point reaches along an axis."""
-    # What is no number becomes some grid point, with weights that are none.
+    # NaN gives some grid point; the weights there are NaN.
     return math.ceil(place - 0.5 * width) % count
 
 
@@ -37,7 +37,7 @@ def cover(places: np.ndarray, terms: np.ndarray, offsets: np.ndarray, weights: n
     """The kernel at the grid points that a point reaches along each axis, [axis, covered].
 
     **Arguments:** `places`: of the point, [axis]; `terms`: [term, axis, covered], from the highest;
-    `offsets`: room for as many.
+    `offsets`: room for as many; `weights`: what is found.
     """
     # Element by element: Numba takes a second to compile the assignment of a row.
     axes, width = weights.shape

@@ -12,8 +12,8 @@ from celltrain.compiled.shared_work import frame_of, next_part, task
 def _spread(work: int) -> int:
     """Fields [field, x, y, z] of values [point, field]. Parts: slabs of grid points along z.
 
-    Further arguments: places [point, axis] and the kernel's terms. A slab has room on both sides
-    for what points near its ends give to others, which these find again.
+    Further arguments: places [point, axis] and the kernel's terms. Room on both sides of a slab
+    takes what points give beyond it; it is dropped, as it is computed again for the slab there.
     """
     frame = frame_of(work)
     points, fields = sizes(frame, 0)

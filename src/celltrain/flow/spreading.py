@@ -62,7 +62,7 @@ def kernel_terms(width: int) -> Float[np.ndarray, "term covered"]:
     """The kernel at each grid point that a point covers, from the highest term.
 
     It is a polynomial in the distance of the first one from the end of the kernel, from 0 to 1. Its
-    error is about that of cutting the kernel at its ends.
+    error is about that of cutting the kernel at its ends, or of rounding, 6e-15.
     """
     count = width + 4
     nodes = 0.5 + 0.5 * np.cos((np.arange(count) + 0.5) * np.pi / count)
@@ -120,7 +120,7 @@ def _in_box(places: Places) -> Float[Array, "point 3"]:
 
 
 def _terms_in_box(width: int, axes: int) -> Float[Array, "term 3 covered"]:
-    """The kernel along each axis; a plane is passed once."""
+    """The kernel along each axis; along those that a plane lacks, 1 at its one point."""
     terms = kernel_terms(width)
     found = np.zeros((len(terms), 3, width))
     found[:, 3 - axes :] = terms[:, None]
@@ -156,15 +156,14 @@ def plain_interpolate(grid: Grid, places: Places, width: int) -> Values:
     return jax.lax.map(take, batches).reshape(-1, fields)[: len(places)]
 
 
-def _batches(arrays: tuple[Array, ...], values: int) -> tuple[Array, ...]:
-    """Rows in batches of one size, for so many values of kernels each; zeros fill up the last.
+def _batches(arrays: tuple[Array, ...], covered: int) -> tuple[Array, ...]:
+    """Rows, each of so many values of kernels, in batches of one size; zeros fill up the last.
 
-    There are two at least, so that they are computed before the loop over them. Otherwise a program
-    may compute a place twice, each time with other roundings, and take a grid point for the first
-    one that is covered, and its neighbour for where the kernel begins.
+    Two at least: XLA then stores the places before the loop, and all that is computed from them
+    agrees.
     """
     count = len(arrays[0])
-    size = max(1, min(-(-count // 2), MOST_VALUES // max(1, values)))
+    size = max(1, min(-(-count // 2), MOST_VALUES // max(1, covered)))
     batches = max(2, -(-count // size))
 
     def filled(rows: Array) -> Array:
@@ -179,10 +178,13 @@ def _covered(
 ) -> tuple[Int[Array, "point grid"], Float[Array, "point grid"]]:
     """Numbers of all grid points that each point reaches, and the kernel there."""
     start = places - 0.5 * width
+    # Not from the place again, which a program may compute twice, with other roundings: a point of
+    # the grid would then be the first that is covered, and its neighbour where the kernel begins.
     lowest = jnp.ceil(start)
+    offset = lowest - start
     kernel = jnp.zeros((*places.shape, width))
     for term in kernel_terms(width):
-        kernel = kernel * (lowest - start)[..., None] + term
+        kernel = kernel * offset[..., None] + term
     numbers, weights = jnp.zeros((len(places), 1), dtype=int), jnp.ones((len(places), 1))
     for axis, size in enumerate(sizes):
         along = (lowest[:, axis, None].astype(int) + np.arange(width)) % size

@@ -3,7 +3,7 @@
     analyse:     f^(k) = sum_s f_s exp(-i k . y_s)
     synthesise:  u(x)  = sum_k u^(k) exp(i k . x)
 
-(see `nonuniform`), without those of negative kz.
+(see `nonuniform`), where modes of negative kz are left out.
 """
 
 import math
@@ -28,7 +28,8 @@ Points = Float[Array, "point 3"]
 class Transform(eqx.Module):
     """Transform between points and the modes of one box, for real fields.
 
-    `box` is its size in r0 along x, y and z, `largest` the largest wave numbers there in turns.
+    `box` is its size in r0 along x, y and z, `largest` the largest wave numbers there, in waves for
+    each box.
     """
 
     largest: tuple[int, int, int] = eqx.field(static=True)

@@ -34,10 +34,10 @@ class WallSynthesis(eqx.Module):
     def fields(self, modes: Complex[Array, "part x y z"]) -> Float[Array, "ring azimuth part"]:
         """Real fields with these modes, in the order that the transform gives them."""
         parts, *across, along = modes.shape
-        half = modes.reshape(parts, math.prod(across), along)
+        by_wave = modes.reshape(parts, math.prod(across), along)
         # Numbers of wave vectors are odd along each axis: backwards they are those with k -> -k.
-        mirrored, count = half[:, ::-1], self.phases.shape[1] // 2
-        total, change = (each[:, :count] for each in (half + mirrored, half - mirrored))
+        mirrored, count = by_wave[:, ::-1], self.phases.shape[1] // 2
+        total, change = (each[:, :count] for each in (by_wave + mirrored, by_wave - mirrored))
         by_cosine = jnp.stack([total.real, total.imag])
         by_sine = jnp.stack([-change.imag, change.real])
         # Wave vectors before all else, for one matrix product.

@@ -35,7 +35,7 @@ from celltrain.membrane.density import (
     moment_work,
     rest_geometry,
 )
-from celltrain.membrane.geometry import surface_forms, volume
+from celltrain.membrane.geometry import VolumeRule, surface_forms, volume_rule
 from celltrain.programs import Program
 from celltrain.runtime import constant
 
@@ -72,6 +72,7 @@ class Membrane(eqx.Module):
     tables: HarmonicTables
     weights: Float[Array, " point"]
     inverse_sine: Float[Array, " point"]
+    volume_rule: VolumeRule
     reference: RestGeometry
     reference_shape: JaxShape
 
@@ -120,7 +121,7 @@ class Membrane(eqx.Module):
 
     def volume(self, coefficients: JaxShape) -> Float[Array, ""]:
         """Enclosed volume, in r0^3."""
-        return volume(self.tables, self.weights, self.inverse_sine, coefficients)
+        return self.volume_rule.volume(coefficients)
 
     def volume_gradient(self, coefficients: JaxShape) -> JaxShape:
         """dV/ds: the coefficients of n dS/dOmega, in r0^2."""
@@ -158,6 +159,7 @@ def make_membrane(
         tables=tables,
         weights=grid.weights,
         inverse_sine=constant(1.0 / np.sin(theta)),
+        volume_rule=volume_rule(degree),
         reference=_rest_geometry(tables, shape),
         reference_shape=shape,
     )

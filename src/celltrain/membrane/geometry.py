@@ -2,12 +2,15 @@
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
+from celltrain.harmonics.grid import sphere_grid
 from celltrain.harmonics.jax_shapes import JaxShape
-from celltrain.harmonics.tables import HarmonicTables
+from celltrain.harmonics.tables import HarmonicTables, harmonic_tables
 from celltrain.membrane.density import Forms
 from celltrain.membrane.forms import fundamental_forms
+from celltrain.runtime import constant
 
 
 class SurfaceGeometry(eqx.Module):
@@ -40,17 +43,28 @@ def surface_forms(tables: HarmonicTables, coefficients: JaxShape) -> Forms:
     return fundamental_forms([coefficients @ table.T for table in derivatives])
 
 
-def volume(
-    tables: HarmonicTables,
-    weights: Float[Array, " point"],
-    inverse_sine: Float[Array, " point"],
-    coefficients: JaxShape,
-) -> Float[Array, ""]:
-    """Enclosed volume (1/3) int x . (x_theta x x_phi)/sin(theta) dOmega.
+class VolumeRule(eqx.Module):
+    """Volumes (1/3) int x . (x_theta x x_phi)/sin(theta) dOmega of shapes of one degree.
 
-    The integrand is a polynomial of degree at most 3 M - 3 on the sphere, so a grid of order
-    3 M / 2 integrates it exactly.
+    The integrand is a polynomial of degree at most 3 M - 3 on the sphere, so that the grid of order
+    3 M/2 integrates it exactly. Harmonics and their derivatives are there as in `HarmonicTables`.
     """
-    cross = jnp.cross(tables.d_theta @ coefficients.T, tables.d_phi @ coefficients.T)
-    density = jnp.sum((tables.value @ coefficients.T) * cross, axis=-1) * inverse_sine
-    return jnp.sum(weights * density) / 3.0
+
+    value: Float[Array, "point coefficient"]
+    d_theta: Float[Array, "point coefficient"]
+    d_phi: Float[Array, "point coefficient"]
+    weights: Float[Array, " point"]
+
+    def volume(self, coefficients: JaxShape) -> Float[Array, ""]:
+        """Enclosed volume, in r0^3."""
+        cross = jnp.cross(self.d_theta @ coefficients.T, self.d_phi @ coefficients.T)
+        return jnp.sum(self.weights * jnp.sum((self.value @ coefficients.T) * cross, axis=-1))
+
+
+def volume_rule(degree: int) -> VolumeRule:
+    """The rule for shapes of a degree."""
+    grid = sphere_grid(1, -(-3 * degree // 2))
+    theta, phi = grid.points()
+    tables = harmonic_tables(degree, theta, phi)
+    weights = constant(np.asarray(grid.weights) / (3.0 * np.sin(theta)))
+    return VolumeRule(tables.value, tables.d_theta, tables.d_phi, weights)
