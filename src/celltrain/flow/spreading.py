@@ -178,9 +178,9 @@ def _covered(
 ) -> tuple[Int[Array, "point grid"], Float[Array, "point grid"]]:
     """Numbers of all grid points that each point reaches, and the kernel there."""
     start = places - 0.5 * width
+    lowest = jnp.ceil(start)
     # Not from the place again, which a program may compute twice, with other roundings: a point of
     # the grid would then be the first that is covered, and its neighbour where the kernel begins.
-    lowest = jnp.ceil(start)
     offset = lowest - start
     kernel = jnp.zeros((*places.shape, width))
     for term in kernel_terms(width):
