@@ -12,9 +12,11 @@ from scipy.spatial.transform import Rotation
 
 from celltrain.harmonics import degrees_and_orders
 from celltrain.harmonics.grid import sphere_grid
+from celltrain.harmonics.tables import harmonic_tables
 from celltrain.laws import ConstitutiveLaw, ElasticBending, NeoHookean, Skalak
 from celltrain.membrane import reference_coefficients
 from celltrain.membrane.energy import Membrane, make_membrane
+from celltrain.membrane.geometry import volume_rule
 
 DEGREE = 8
 SHEAR, DILATATION, BENDING = 1.3, 19.0, 0.05
@@ -124,6 +126,20 @@ def test_membrane_pulls_itself_nowhere(cell: Membrane, deformed: np.ndarray) -> 
     # int x x F dOmega, by orthonormality.
     torque = np.cross(deformed, pull, axis=0).sum(axis=1)
     assert_allclose(torque, 0.0, atol=1e-11 * size)
+
+
+@pytest.mark.parametrize("degree", [7, 8])
+def test_volumes_are_exact_whatever_the_shape(degree: int) -> None:
+    """As on a grid of twice as many rings, for shapes with as much of each harmonic."""
+    shape = jnp.asarray(np.random.default_rng(1).normal(size=(3, degree**2)))
+    grid = sphere_grid(1, 3 * degree)
+    theta, phi = grid.points()
+    tables = harmonic_tables(degree, theta, phi)
+    x, along, around = (each @ shape.T for each in (tables.value, tables.d_theta, tables.d_phi))
+    element = jnp.sum(x * jnp.cross(along, around), axis=1) / (3.0 * np.sin(theta))
+    expected = jnp.sum(grid.weights * element)
+    scale = jnp.sum(grid.weights * jnp.abs(element))
+    assert_allclose(volume_rule(degree).volume(shape), expected, rtol=0, atol=1e-13 * scale)
 
 
 def test_volume_and_its_gradient(cell: Membrane, deformed: np.ndarray) -> None:

@@ -247,6 +247,19 @@ def test_the_kernel_is_the_one_for_resolved_fields(
     assert min(map(error, np.arange(1.8, 2.8, 0.05))) > chosen / 1.5
 
 
+@pytest.mark.parametrize("width", [4, 7, 10, 13, 16])
+def test_polynomials_are_the_kernel(width: int) -> None:
+    """As near as what it is cut off at its ends, or as rounding."""
+    offset = np.linspace(0.0, 1.0, 201)[:, None]
+    found = np.zeros((len(offset), width))
+    for term in spreading.kernel_terms(width):
+        found = found * offset + term
+    t = 2.0 / width * (offset + np.arange(width)) - 1.0
+    beta = spreading.STEEPNESS * width
+    exact = np.exp(beta * (np.sqrt(np.maximum(1.0 - t**2, 0.0)) - 1.0))
+    assert np.abs(found - exact).max() < max(np.exp(-beta), 1e-14)
+
+
 @pytest.mark.usefixtures("way")
 def test_what_is_no_number_stays_on_the_grid() -> None:
     """A point that is nowhere makes no numbers of what it reaches, and of nothing else."""
